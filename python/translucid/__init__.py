@@ -3,6 +3,7 @@
 - `Profile`: reflectance profiles of every model, to evaluate, to sample and to plot.
 - `reference`: the exact half space and Monte Carlo walks, with errors.
 - `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
+- `measure`: a material from a photograph, with confidence intervals.
 - `convert`: a material in the numbers of other renderers.
 - `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
@@ -26,6 +27,7 @@ A wrong argument is a `ValueError` or `TypeError` that says which, its value and
 from . import reference
 from ._conversion import Conversion, ConvertedParameter, convert
 from ._cycles import cycles_material
+from ._measure import Measured, Measurement, measure
 from ._presets import presets
 from ._render import Picture, Session, render
 from ._translucid import (
@@ -47,6 +49,8 @@ __all__ = [
     "Conversion",
     "ConvertedParameter",
     "Fit",
+    "Measured",
+    "Measurement",
     "Picture",
     "Preset",
     "Profile",
@@ -58,6 +62,7 @@ __all__ = [
     "cycles_material",
     "fit",
     "fit_scaling",
+    "measure",
     "models",
     "presets",
     "read_exr",

@@ -155,6 +155,57 @@ def fit_scaling(
     max_radius: float | None = None,
 ) -> dict[str, Any]: ...
 
+class Measured(NamedTuple):
+    value: NDArray[np.float64]
+    likely: NDArray[np.float64]
+    sure: NDArray[np.float64]
+    unit: str
+
+class Measurement(dict[str, Measured]):
+    material: dict[str, Any]
+    is_seen: NDArray[np.bool_] | None
+    blur: float | None
+    misfit: float | None
+    correlation: NDArray[np.float64] | None
+    stray_light: NDArray[np.float64] | None
+    steps: int | None
+    findings: list[str]
+    notes: list[str]
+    warnings: list[str]
+    def __init__(self, found: dict[str, Any]) -> None: ...
+
+def measure(
+    photo: ArrayLike | _Path,
+    *,
+    setup: Literal["edge", "spot", "slab"] | None = None,
+    thickness: float | None = None,
+    mm_per_pixel: float | None = None,
+    ruler: ArrayLike | None = None,
+    white: Sequence[int] | None = None,
+    white_photo: ArrayLike | _Path | None = None,
+    white_reflectance: ArrayLike | None = None,
+    surface_albedo: ArrayLike | None = None,
+    region: Sequence[int] | None = None,
+    edge: ArrayLike | None = None,
+    center: ArrayLike | None = None,
+    card: Literal["hidden", "visible"] | None = None,
+    exposure: Iterable[ArrayLike | _Path] | None = None,
+    dark: ArrayLike | _Path | None = None,
+    linear: bool = False,
+    configuration: _Configuration | None = None,
+    incidence: float | None = None,
+    eta: float | None = None,
+    g: float | None = None,
+    scene: Scene | _Path | None = None,
+    fit: str | Iterable[str] | None = None,
+    material: str | None = None,
+    subsurface: str | None = None,
+    spp: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: _Progress = None,
+) -> Measurement: ...
+
 class ConvertedParameter(NamedTuple):
     system: str
     parameter: str

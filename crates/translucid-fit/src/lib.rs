@@ -9,6 +9,7 @@
 //! - [`MediumFit`]: a medium's coefficients fitted to such a table, where each single-scattering albedo has its profile.
 //! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
 //!   [`ScalingPolynomial`]s through it.
+//! - [`least_squares`] of any [`Residuals`].
 //!
 //! Anything that is a [`Profile`](translucid_profile::Profile) can be the reference.
 //!
@@ -43,6 +44,7 @@ mod least_squares;
 mod medium_fit;
 mod minimum;
 mod mixture;
+mod profile_fit;
 mod sample_fit;
 mod sample_fits;
 mod scaling_fit;
@@ -50,9 +52,11 @@ mod scaling_polynomial;
 
 pub use family::{Burley, Exponential, Family, Gaussian};
 pub use l1_error::{Judge, l1_error};
-pub use least_squares::{Fit, Target, fit};
+pub use least_squares::{Residuals, least_squares};
+pub use levenberg_marquardt::LevenbergMarquardt;
 pub use medium_fit::{MediumFit, MediumProfile};
 pub use mixture::Mixture;
+pub use profile_fit::{Fit, Target, fit};
 pub use sample_fit::{Errors, Estimate, Sample, SampleFit};
 pub use sample_fits::SampleFits;
 pub use scaling_fit::{ErrorSummary, ScalingFit, ScalingPoint};

@@ -1,9 +1,13 @@
 //! Least-squares fits of a medium's coefficients to a measured or simulated table, with their uncertainties.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{Dyn, Matrix, Matrix2, OMatrix, OVector, Owned, U2, Vector2};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{DMatrix, Matrix2, Vector2};
 use translucid_profile::{ParameterError, require};
 
+use crate::least_squares::{Residuals, least_squares};
 use crate::{Errors, Estimate, Sample};
 
 /// Profile R(r) \[ℓ⁻²\] of a medium over r \[ℓ\].
@@ -19,7 +23,7 @@ pub type MediumProfile = Box<dyn Fn(f64) -> f64>;
 #[derive(Clone, Debug)]
 pub struct MediumFit {
     /// ln α/(1 − α) and ln ℓ.
-    parameters: Vector2<f64>,
+    parameters: [f64; 2],
     covariance: Matrix2<f64>,
     chi_square: f64,
     degrees_of_freedom: usize,
@@ -101,24 +105,24 @@ impl MediumFit {
     fn descend(
         samples: &[Sample],
         errors: Errors,
-        start: Vector2<f64>,
+        start: [f64; 2],
         solve: &dyn Fn(f64) -> MediumProfile,
     ) -> Self {
-        let (found, _) =
-            LevenbergMarquardt::new().with_patience(20).minimize(Problem::new(samples, start, solve));
-        let residuals = found.values();
+        let problem = Problem::new(samples, solve);
+        let found = least_squares(LevenbergMarquardt::new().with_patience(20), &start, &problem);
+        let residuals = problem.residuals(&found);
         let chi_square = residuals.iter().map(|r| r * r).sum::<f64>();
         let degrees_of_freedom = samples.len() - 2;
-        let jacobian = found.slopes();
+        let jacobian = problem.jacobian(&found);
         let factor = match errors {
             Errors::Known => 1.0,
             Errors::Relative => chi_square / degrees_of_freedom as f64,
         };
-        let normal = jacobian.transpose() * &jacobian;
-        // What has no effect on the samples has no error that they tell
+        let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian).fixed_view::<2, 2>(0, 0).into();
+        // The samples give no error to a parameter that has no effect on them
         let covariance =
             normal.try_inverse().map_or(Matrix2::from_element(f64::INFINITY), |inverse| inverse * factor);
-        Self { parameters: found.parameters, covariance, chi_square, degrees_of_freedom, residuals }
+        Self { parameters: [found[0], found[1]], covariance, chi_square, degrees_of_freedom, residuals }
     }
 
     /// Single-scattering albedo.
@@ -182,12 +186,12 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + libm::exp(-x))
 }
 
-/// Samples, and the medium of the parameters.
+/// Distance of the medium from the samples, by ln α/(1 − α) and ln ℓ.
 struct Problem<'a> {
     samples: &'a [Sample],
     solve: &'a dyn Fn(f64) -> MediumProfile,
-    parameters: Vector2<f64>,
-    profile: MediumProfile,
+    /// The profile that was solved last, by ln α/(1 − α): residuals and their derivatives need the same one.
+    solved: RefCell<Option<(f64, Rc<MediumProfile>)>>,
 }
 
 impl<'a> Problem<'a> {
@@ -196,36 +200,48 @@ impl<'a> Problem<'a> {
     /// Steps of numeric slopes.
     const STEP: f64 = 1e-3;
 
-    fn new(samples: &'a [Sample], parameters: Vector2<f64>, solve: &'a dyn Fn(f64) -> MediumProfile) -> Self {
-        Self { samples, solve, parameters, profile: Self::profile(solve, parameters[0]) }
+    fn new(samples: &'a [Sample], solve: &'a dyn Fn(f64) -> MediumProfile) -> Self {
+        Self { samples, solve, solved: RefCell::default() }
     }
 
-    fn profile(solve: &dyn Fn(f64) -> MediumProfile, logit: f64) -> MediumProfile {
-        solve(logistic(logit.clamp(-Self::MOST, Self::MOST)))
+    fn solve(&self, logit: f64) -> MediumProfile {
+        (self.solve)(logistic(logit.clamp(-Self::MOST, Self::MOST)))
+    }
+
+    fn profile(&self, logit: f64) -> Rc<MediumProfile> {
+        let mut solved = self.solved.borrow_mut();
+        match &*solved {
+            Some((of, profile)) if *of == logit => Rc::clone(profile),
+            _ => {
+                let profile = Rc::new(self.solve(logit));
+                *solved = Some((logit, Rc::clone(&profile)));
+                profile
+            }
+        }
     }
 
     /// The best of a few single-scattering albedos and many mean free paths.
-    fn start(samples: &'a [Sample], solve: &'a dyn Fn(f64) -> MediumProfile) -> Vector2<f64> {
+    fn start(samples: &[Sample], solve: &dyn Fn(f64) -> MediumProfile) -> [f64; 2] {
         let ends = samples.iter().fold([f64::MAX, 0.0f64], |[low, high], s| [low.min(s.r), high.max(s.r)]);
         let [low, high] = ends.map(libm::log);
         let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(THINNED)).copied().collect();
-        let mut best = (f64::INFINITY, Vector2::new(0.0, 0.5 * (low + high)));
+        let mut best = (f64::INFINITY, [0.0, 0.5 * (low + high)]);
         for alpha in STARTS {
-            let mut problem =
-                Problem::new(&thinned, Vector2::new(libm::log(alpha / (1.0 - alpha)), 0.0), solve);
+            let problem = Problem::new(&thinned, solve);
             for i in 0..=LENGTHS {
                 // From a tenth of the least radius to ten times the greatest
-                problem.parameters[1] = low - 2.3 + (high - low + 4.6) * f64::from(i) / f64::from(LENGTHS);
-                let cost = problem.values().iter().map(|r| r * r).sum::<f64>();
+                let ln_mfp = low - 2.3 + (high - low + 4.6) * f64::from(i) / f64::from(LENGTHS);
+                let parameters = [libm::log(alpha / (1.0 - alpha)), ln_mfp];
+                let cost = problem.residuals(&parameters).iter().map(|r| r * r).sum::<f64>();
                 if cost < best.0 {
-                    best = (cost, problem.parameters);
+                    best = (cost, parameters);
                 }
             }
         }
         best.1
     }
 
-    fn values_of(&self, profile: &MediumProfile, ln_mfp: f64) -> Vec<f64> {
+    fn values(&self, profile: &MediumProfile, ln_mfp: f64) -> Vec<f64> {
         let mfp = libm::exp(ln_mfp.clamp(-300.0, 300.0));
         let residual = |sample: &Sample| {
             let value = (profile(sample.r / mfp) / mfp / mfp - sample.reflectance) / sample.error;
@@ -233,43 +249,23 @@ impl<'a> Problem<'a> {
         };
         self.samples.iter().map(residual).collect()
     }
+}
 
-    fn values(&self) -> Vec<f64> {
-        self.values_of(&self.profile, self.parameters[1])
+impl Residuals for Problem<'_> {
+    fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
+        self.values(&self.profile(parameters[0]), parameters[1])
     }
 
-    fn slopes(&self) -> OMatrix<f64, Dyn, U2> {
-        let [logit, ln_mfp] = self.parameters.into();
-        let along_length = [1.0, -1.0].map(|sign| self.values_of(&self.profile, ln_mfp + sign * Self::STEP));
-        let along_albedo = [1.0, -1.0]
-            .map(|sign| self.values_of(&Self::profile(self.solve, logit + sign * Self::STEP), ln_mfp));
-        Matrix::from_fn_generic(Dyn(self.samples.len()), U2, |i, j| {
+    fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
+        let [logit, ln_mfp] = [parameters[0], parameters[1]];
+        let profile = self.profile(logit);
+        let along_length = [1.0, -1.0].map(|sign| self.values(&profile, ln_mfp + sign * Self::STEP));
+        let along_albedo =
+            [1.0, -1.0].map(|sign| self.values(&self.solve(logit + sign * Self::STEP), ln_mfp));
+        DMatrix::from_fn(self.samples.len(), 2, |i, j| {
             let [up, down] = if j == 0 { &along_albedo } else { &along_length };
             (up[i] - down[i]) / (2.0 * Self::STEP)
         })
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
-    type ParameterStorage = Owned<f64, U2>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U2>;
-
-    fn set_params(&mut self, parameters: &Vector2<f64>) {
-        self.parameters = *parameters;
-        self.profile = Self::profile(self.solve, parameters[0]);
-    }
-
-    fn params(&self) -> Vector2<f64> {
-        self.parameters
-    }
-
-    fn residuals(&self) -> Option<OVector<f64, Dyn>> {
-        Some(OVector::<f64, Dyn>::from_vec(self.values()))
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U2>> {
-        Some(self.slopes())
     }
 }
 

@@ -1,10 +1,13 @@
 //! Least-squares fits of mixtures to a measured or simulated table, with the uncertainties of their parameters.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use std::marker::PhantomData;
+
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{DMatrix, DVector};
 use translucid_profile::{ParameterError, Profile, require};
 
-use crate::least_squares::extensions;
+use crate::least_squares::{Residuals, least_squares};
+use crate::profile_fit::extensions;
 use crate::{Family, Mixture};
 
 /// R(r) at one radius, with its standard error.
@@ -112,14 +115,14 @@ impl<F: Family> SampleFit<F> {
 
     /// Uncertainties from the Jacobian at the optimum.
     fn from_terms(data: &Data, terms: &[(f64, f64)], errors: Errors) -> Self {
-        let problem = Problem::<F>::new(data, terms);
-        let chi_square = problem.residual_vector().norm_squared();
+        let (problem, parameters) = (Problem::<F>::new(data), parameters_of(terms));
+        let chi_square = problem.chi_square(&parameters);
         let degrees_of_freedom = data.points.len() - 2 * terms.len();
         let factor = match errors {
             Errors::Known => 1.0,
             Errors::Relative => chi_square / degrees_of_freedom as f64,
         };
-        let directions = problem.directions();
+        let directions = directions(problem.jacobian(&parameters));
         let is_singular = directions.iter().any(|direction| !direction.has_effect);
         let error = |gradient: &DVector<f64>| {
             let variance: f64 = directions.iter().map(|direction| direction.variance(gradient)).sum();
@@ -242,7 +245,7 @@ impl Data {
             });
             vec![(if sums[0] > 0.0 { sums[0] / sums[1] } else { 1e-3 }, scale)]
         };
-        let cost = |terms: &[(f64, f64)]| Problem::<F>::new(self, terms).residual_vector().norm_squared();
+        let cost = |terms: &[(f64, f64)]| Problem::<F>::new(self).chi_square(&parameters_of(terms));
         let starts = (0..=40).map(start).map(|terms| (cost(&terms), terms));
         let best = starts.filter(|(cost, _)| cost.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
         best.map_or_else(|| vec![(1.0, 1.0)], |(_, terms)| self.descend::<F>(&terms).1)
@@ -250,10 +253,11 @@ impl Data {
 
     /// Follows χ² down from a start.
     fn descend<F: Family>(&self, start: &[(f64, f64)]) -> (f64, Vec<(f64, f64)>) {
-        let problem = Problem::<F>::new(self, start);
-        let (found, _) = LevenbergMarquardt::new().with_patience(200).minimize(problem);
-        let chi_square = found.residual_vector().norm_squared();
-        (if chi_square.is_finite() { chi_square } else { f64::MAX }, found.terms())
+        let problem = Problem::<F>::new(self);
+        let search = LevenbergMarquardt::new().with_patience(200);
+        let found = least_squares(search, &parameters_of(start), &problem);
+        let chi_square = problem.chi_square(&found);
+        (if chi_square.is_finite() { chi_square } else { f64::MAX }, terms_of(&found))
     }
 }
 
@@ -262,43 +266,51 @@ fn representable(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-1e150, 1e150) }
 }
 
+/// Farthest that a logarithm goes: no kernel is then anything but 0 or its limit.
+const MOST: f64 = 300.0;
+
 /// Parameters of the optimizer: logarithms of the energies, then of the scales.
+fn parameters_of(terms: &[(f64, f64)]) -> Vec<f64> {
+    let energies = terms.iter().map(|(energy, _)| libm::log(energy.max(1e-30)));
+    energies.chain(terms.iter().map(|(_, scale)| libm::log(*scale))).collect()
+}
+
+/// Energies and scales of the optimizer's parameters.
+fn terms_of(parameters: &[f64]) -> Vec<(f64, f64)> {
+    let exp = |ln: &f64| libm::exp(ln.clamp(-MOST, MOST));
+    let (energies, scales) = parameters.split_at(parameters.len() / 2);
+    energies.iter().map(exp).zip(scales.iter().map(exp)).collect()
+}
+
+/// Distance of a family's sums from the samples, by the optimizer's parameters.
 struct Problem<'a, F> {
     data: &'a Data,
-    parameters: DVector<f64>,
-    family: std::marker::PhantomData<F>,
+    family: PhantomData<F>,
 }
 
 impl<'a, F: Family> Problem<'a, F> {
-    /// Farthest that a logarithm goes: no kernel is then anything but 0 or its limit.
-    const MOST: f64 = 300.0;
-
-    fn new(data: &'a Data, terms: &[(f64, f64)]) -> Self {
-        let energies = terms.iter().map(|(energy, _)| libm::log(energy.max(1e-30)));
-        let scales = terms.iter().map(|(_, scale)| libm::log(*scale));
-        let parameters = DVector::from_iterator(2 * terms.len(), energies.chain(scales));
-        Self { data, parameters, family: std::marker::PhantomData }
+    fn new(data: &'a Data) -> Self {
+        Self { data, family: PhantomData }
     }
 
-    /// Energies and scales.
-    fn terms(&self) -> Vec<(f64, f64)> {
-        let exp = |ln: &f64| libm::exp(ln.clamp(-Self::MOST, Self::MOST));
-        let (energies, scales) = self.parameters.as_slice().split_at(self.parameters.len() / 2);
-        energies.iter().map(exp).zip(scales.iter().map(exp)).collect()
+    fn chi_square(&self, parameters: &[f64]) -> f64 {
+        DVector::from_vec(self.residuals(parameters)).norm_squared()
     }
+}
 
-    fn residual_vector(&self) -> DVector<f64> {
-        let terms = self.terms();
+impl<F: Family> Residuals for Problem<'_, F> {
+    fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
+        let terms = terms_of(parameters);
         let residual = |point: &Sample| {
             let value = |(energy, s): &(f64, f64)| energy * F::times_r(point.r / s) / (s * point.r);
             representable((terms.iter().map(value).sum::<f64>() - point.reflectance) / point.error)
         };
-        DVector::from_iterator(self.data.points.len(), self.data.points.iter().map(residual))
+        self.data.points.iter().map(residual).collect()
     }
 
     /// ∂/∂ln a = a K,  ∂/∂ln s = −a (φ + xφ')/(s r).
-    fn jacobian_matrix(&self) -> DMatrix<f64> {
-        let terms = self.terms();
+    fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
+        let terms = terms_of(parameters);
         let mut jacobian = DMatrix::zeros(self.data.points.len(), 2 * terms.len());
         for (row, point) in self.data.points.iter().enumerate() {
             for (k, (energy, s)) in terms.iter().enumerate() {
@@ -311,30 +323,29 @@ impl<'a, F: Family> Problem<'a, F> {
         }
         jacobian
     }
+}
 
-    /// Directions of the parameters, by the singular values of the Jacobian with columns of equal length.
-    fn directions(&self) -> Vec<Direction> {
-        /// Below this share of the greatest a singular value is rounding error
-        const LEAST: f64 = 1e-9;
-        let mut jacobian = self.jacobian_matrix();
-        let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
-        for (mut column, norm) in jacobian.column_iter_mut().zip(&norms) {
-            column /= norm.max(f64::MIN_POSITIVE);
-        }
-        let svd = jacobian.svd(false, true);
-        let rows = svd.v_t.expect("asked for");
-        let greatest = svd.singular_values.max();
-        let direction = |(i, value): (usize, &f64)| {
-            let along = |parameter: usize| rows[(i, parameter)] / norms[parameter].max(f64::MIN_POSITIVE);
-            let along = DVector::from_iterator(norms.len(), (0..norms.len()).map(along));
-            if *value > LEAST * greatest {
-                Direction { along: along / *value, has_effect: true }
-            } else {
-                Direction { along, has_effect: false }
-            }
-        };
-        svd.singular_values.iter().enumerate().map(direction).collect()
+/// Directions of the parameters, by the singular values of the Jacobian with columns of equal length.
+fn directions(mut jacobian: DMatrix<f64>) -> Vec<Direction> {
+    /// Below this share of the greatest a singular value is rounding error
+    const LEAST: f64 = 1e-9;
+    let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
+    for (mut column, norm) in jacobian.column_iter_mut().zip(&norms) {
+        column /= norm.max(f64::MIN_POSITIVE);
     }
+    let svd = jacobian.svd(false, true);
+    let rows = svd.v_t.expect("asked for");
+    let greatest = svd.singular_values.max();
+    let direction = |(i, value): (usize, &f64)| {
+        let along = |parameter: usize| rows[(i, parameter)] / norms[parameter].max(f64::MIN_POSITIVE);
+        let along = DVector::from_iterator(norms.len(), (0..norms.len()).map(along));
+        if *value > LEAST * greatest {
+            Direction { along: along / *value, has_effect: true }
+        } else {
+            Direction { along, has_effect: false }
+        }
+    };
+    svd.singular_values.iter().enumerate().map(direction).collect()
 }
 
 /// A combination of parameters that varies independently of the others.
@@ -355,28 +366,6 @@ impl Direction {
             false if sum.abs() > 1e-6 * size => f64::INFINITY,
             false => 0.0,
         }
-    }
-}
-
-impl<F: Family> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, F> {
-    type ParameterStorage = Owned<f64, Dyn>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-
-    fn set_params(&mut self, parameters: &DVector<f64>) {
-        self.parameters.copy_from(parameters);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.parameters.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.residual_vector())
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        Some(self.jacobian_matrix())
     }
 }
 

@@ -1,12 +1,13 @@
 //! The scale s(A) of normalized diffusion that brings it closest to the exact half space.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DVector, Dyn, OMatrix, Owned, U3, Vector3};
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::DMatrix;
 use translucid_profile::{
     Configuration, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization,
     half_space_single_scattering_albedo, require,
 };
 
+use crate::least_squares::{Residuals, least_squares};
 use crate::minimum::minimum;
 use crate::{Judge, ScalingPolynomial};
 
@@ -140,8 +141,8 @@ impl ScalingFit {
     /// the residual is linear in s, as least squares like it.
     pub fn polynomial(&self, start: &ScalingPolynomial) -> ScalingPolynomial {
         let problem = Problem { fit: self, form: *start };
-        let (found, _) = LevenbergMarquardt::new().with_patience(100).with_tol(1e-12).minimize(problem);
-        found.form
+        let search = LevenbergMarquardt::new().with_patience(100).with_tol(1e-12);
+        problem.polynomial(&least_squares(search, &start.constants(), &problem))
     }
 
     /// Mean and worst error of a scale s(A) over the points, for radii up to `r_max` mean free paths.
@@ -166,40 +167,36 @@ impl ScalingFit {
     }
 }
 
+/// Errors that polynomials of a form add to those of the best scales.
 struct Problem<'a> {
     fit: &'a ScalingFit,
     form: ScalingPolynomial,
 }
 
-impl LeastSquaresProblem<f64, Dyn, U3> for Problem<'_> {
-    type ParameterStorage = Owned<f64, U3>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U3>;
+impl Problem<'_> {
+    fn polynomial(&self, constants: &[f64]) -> ScalingPolynomial {
+        self.form.with_constants([constants[0], constants[1], constants[2]])
+    }
+}
 
-    fn set_params(&mut self, constants: &Vector3<f64>) {
-        self.form = self.form.with_constants((*constants).into());
+impl Residuals for Problem<'_> {
+    fn residuals(&self, constants: &[f64]) -> Vec<f64> {
+        let s = self.polynomial(constants);
+        let residual = |point: &ScalingPoint| self.fit.residual(point, s.eval(point.surface_albedo));
+        self.fit.points.iter().map(residual).collect()
     }
 
-    fn params(&self) -> Vector3<f64> {
-        self.form.constants().into()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let residual = |point: &ScalingPoint| self.fit.residual(point, self.form.eval(point.surface_albedo));
-        Some(DVector::from_iterator(self.fit.points.len(), self.fit.points.iter().map(residual)))
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U3>> {
+    fn jacobian(&self, constants: &[f64]) -> DMatrix<f64> {
         /// Relative step of s: far above where the roots of rounding errors count
         const STEP: f64 = 1e-3;
-        let rows: Vec<[f64; 3]> = (self.fit.points.iter())
-            .map(|point| {
-                let s = self.form.eval(point.surface_albedo);
-                let residual = |s: f64| self.fit.residual(point, s);
-                let slope = (residual(s * (1.0 + STEP)) - residual(s * (1.0 - STEP))) / (2.0 * STEP * s);
-                self.form.slopes(point.surface_albedo).map(|of_constant| slope * of_constant)
-            })
-            .collect();
-        Some(OMatrix::<f64, Dyn, U3>::from_fn(rows.len(), |row, column| rows[row][column]))
+        let polynomial = self.polynomial(constants);
+        let row = |point: &ScalingPoint| {
+            let s = polynomial.eval(point.surface_albedo);
+            let residual = |s: f64| self.fit.residual(point, s);
+            let slope = (residual(s * (1.0 + STEP)) - residual(s * (1.0 - STEP))) / (2.0 * STEP * s);
+            polynomial.slopes(point.surface_albedo).map(|of_constant| slope * of_constant)
+        };
+        let rows: Vec<[f64; 3]> = self.fit.points.iter().map(row).collect();
+        DMatrix::from_fn(rows.len(), 3, |row, column| rows[row][column])
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures in files, and files in which a program keeps its own data.
+//! Pictures in files.
 //!
 //! A [`Picture`] is a rectangle of pixels with named channels, whose values are asked for row by row, so that sums of
 //! a renderer are written without a copy of them.
@@ -21,13 +21,11 @@
 mod denoise;
 mod exposure;
 mod exr;
-mod kept_file;
 mod picture;
 mod pixel_rect;
 mod png;
 
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
-pub use kept_file::{KeptData, KeptFile, damaged};
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
 pub use pixel_rect::PixelRect;
 pub use png::{CodedPicture, DisplayTransform};

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::Interval;
-use crate::least_squares::minimize;
+use crate::robust_least_squares::{jacobian, robust_least_squares};
 use crate::samples::Samples;
 
 /// Fewest blocks whose differences tell anything.
@@ -81,7 +81,7 @@ impl<'a> Clusters<'a> {
             (0..self.means.len()).map(residual).collect::<Vec<f64>>()
         };
         let square = |p: &[f64]| residuals(p).iter().map(|r| r * r).sum::<f64>();
-        let minima = starts.iter().map(|start| minimize(residuals, start, scales));
+        let minima = starts.iter().map(|start| robust_least_squares(residuals, start, scales));
         let minimum = minima.min_by(|a, b| square(&a.parameters).total_cmp(&square(&b.parameters)))?;
         let covariance = self.covariance(&residuals, &minimum.parameters, &minimum.weights, scales)?;
         let free = self.means.len() - minimum.parameters.len();
@@ -99,24 +99,15 @@ impl<'a> Clusters<'a> {
         residuals: &impl Fn(&[f64]) -> Vec<f64>,
         p: &[f64],
         weights: &[f64],
-        steps: &[f64],
+        scales: &[f64],
     ) -> Option<DMatrix<f64>> {
-        let column = |i: usize| {
-            let at = |sign: f64| {
-                let mut moved = p.to_vec();
-                moved[i] += sign * 1e-4 * steps[i];
-                residuals(&moved)
-            };
-            let slope = |(a, b): (&f64, &f64)| (a - b) / (2e-4 * steps[i]);
-            DVector::from_iterator(self.means.len(), at(1.0).iter().zip(&at(-1.0)).map(slope))
-        };
-        let jacobian = DMatrix::from_columns(&(0..p.len()).map(column).collect::<Vec<_>>());
+        let jacobian = jacobian(residuals, p, scales);
         let weighted =
             DMatrix::from_fn(jacobian.nrows(), p.len(), |row, i| jacobian[(row, i)] * weights[row]);
         // A picture without blur says nothing of it: only its size counts
-        let step = DMatrix::from_diagonal(&DVector::from_row_slice(steps));
-        let normal = &step * (jacobian.transpose() * &weighted) * &step;
-        let bread = &step * normal.clone().pseudo_inverse(1e-12 * normal.amax()).ok()? * &step;
+        let scale = DMatrix::from_diagonal(&DVector::from_row_slice(scales));
+        let normal = &scale * (jacobian.transpose() * &weighted) * &scale;
+        let bread = &scale * normal.clone().pseudo_inverse(1e-12 * normal.amax()).ok()? * &scale;
         let count = self.samples.blocks.len() as f64;
         let mut meat = DMatrix::<f64>::zeros(p.len(), p.len());
         for block in &self.samples.blocks {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::Photo;
+use crate::linear_photo::Photo;
 
 /// Edge of the squares of pixels whose light counts as even.
 const TILE: usize = 16;

@@ -18,11 +18,11 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
 
 use crate::clusters::Clusters;
+use crate::detectability::is_detectable;
 use crate::edge::{Edge, EdgeModel};
 use crate::fit::{Card, ChannelFit, Fit, Outline, Scale};
 use crate::response::Response;
 use crate::samples::Samples;
-use crate::seen::is_seen;
 
 /// Parameters that all channels share, and those of each.
 const SHARED: usize = 2;
@@ -57,7 +57,7 @@ pub fn fit_edge_of(card: Card, samples: &Samples, response: &Response, scale: Sc
         ChannelFit {
             mfp: found.interval(first, libm::exp),
             surface_albedo: (scale == Scale::Reflectance).then(|| found.interval(first + 1, |a| a)),
-            is_seen: is_seen(samples, p[1], p[first], found.error(first)),
+            is_seen: is_detectable(samples, p[1], p[first], found.error(first)),
             correlation: found.correlation(first, first + 1),
             stray: p[first + 2] / gain,
             unevenness: p[first + 3] * samples.extent(),

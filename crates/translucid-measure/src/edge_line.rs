@@ -1,6 +1,6 @@
 //! Where the card ends in a photograph, and the light across that line.
 
-use crate::photo::Photo;
+use crate::linear_photo::Photo;
 use crate::samples::Samples;
 
 /// A straight line through a photograph, in pixels: x to the right, y down, (0.5, 0.5) the middle of the first.

@@ -54,6 +54,16 @@ pub enum Outline {
     },
 }
 
+impl Outline {
+    /// A word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Edge { .. } => "edge",
+            Self::Spot { .. } => "spot",
+        }
+    }
+}
+
 /// What hides the light from the dark side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Card {

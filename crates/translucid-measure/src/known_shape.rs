@@ -17,122 +17,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Interval, Photo};
+use crate::fit::Interval;
+use crate::linear_photo::Photo;
+use crate::unknown::{Guess, Unknown};
 
 /// Seeds that each picture is rendered with.
 pub const SEEDS: usize = 2;
-
-/// A parameter to be found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
-    /// Surface albedo A of each channel.
-    SurfaceAlbedo,
-    /// Mean free path ℓ of each channel.
-    Mfp,
-    /// Mean cosine of the phase function.
-    G,
-    /// Factor on the radiance of all lights, for each channel.
-    Radiance,
-}
-
-impl Unknown {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::SurfaceAlbedo, Self::Mfp, Self::G, Self::Radiance];
-
-    /// Whether each channel has its own.
-    fn is_per_channel(self) -> bool {
-        self != Self::G
-    }
-
-    /// Whether it takes pictures to know its derivative.
-    fn is_rendered(self) -> bool {
-        self != Self::Radiance
-    }
-
-    /// The parameter on a scale without ends: ln A/(1 − A), ln ℓ, artanh g.
-    fn unbounded(self, value: f64) -> f64 {
-        match self {
-            Self::SurfaceAlbedo => libm::log(value / (1.0 - value)),
-            Self::Mfp | Self::Radiance => libm::log(value),
-            Self::G => libm::atanh(value),
-        }
-    }
-
-    fn bounded(self, x: f64) -> f64 {
-        match self {
-            Self::SurfaceAlbedo => 1.0 / (1.0 + libm::exp(-x)),
-            Self::Mfp | Self::Radiance => libm::exp(x),
-            Self::G => libm::tanh(x),
-        }
-    }
-
-    /// Change between the two sides of a difference, on the unbounded scale: far enough apart to stand out of the noise.
-    fn difference(self) -> f64 {
-        match self {
-            Self::SurfaceAlbedo => 0.6,
-            Self::Mfp | Self::Radiance => 0.5,
-            Self::G => 0.3,
-        }
-    }
-
-    /// Longest step on that scale, and the greatest distance from zero.
-    fn limits(self) -> [f64; 2] {
-        match self {
-            // 0.0009 … 0.9991
-            Self::SurfaceAlbedo => [1.0, 7.0],
-            Self::Mfp => [0.8, 30.0],
-            Self::G => [0.4, 2.0],
-            Self::Radiance => [1.5, 60.0],
-        }
-    }
-}
-
-/// Values of all parameters, known or to be found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Guess {
-    /// Surface albedo A, in (0, 1).
-    pub surface_albedo: [f64; 3],
-    /// Mean free path ℓ \[L\].
-    pub mfp: [f64; 3],
-    /// Mean cosine of the phase function.
-    pub g: f64,
-    /// Factor on the radiance of all lights.
-    pub radiance: [f64; 3],
-}
-
-impl Guess {
-    /// A parameter's value in a channel.
-    pub fn get(&self, unknown: Unknown, channel: usize) -> f64 {
-        match unknown {
-            Unknown::SurfaceAlbedo => self.surface_albedo[channel],
-            Unknown::Mfp => self.mfp[channel],
-            Unknown::G => self.g,
-            Unknown::Radiance => self.radiance[channel],
-        }
-    }
-
-    fn set(&mut self, unknown: Unknown, channel: usize, value: f64) {
-        match unknown {
-            Unknown::SurfaceAlbedo => self.surface_albedo[channel] = value,
-            Unknown::Mfp => self.mfp[channel] = value,
-            Unknown::G => self.g = value,
-            Unknown::Radiance => self.radiance[channel] = value,
-        }
-    }
-
-    /// The guess with a parameter moved by half a difference on its unbounded scale; up for 1, down for −1.
-    fn moved(&self, unknown: Unknown, sign: f64) -> Self {
-        let mut moved = *self;
-        for channel in 0..3 {
-            let x = unknown.unbounded(self.get(unknown, channel));
-            moved.set(unknown, channel, unknown.bounded(x + 0.5 * sign * unknown.difference()));
-            if unknown == Unknown::G {
-                break;
-            }
-        }
-        moved
-    }
-}
 
 /// A picture that is to be rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,25 +56,25 @@ pub struct KnownShape {
     block: usize,
     unknowns: Vec<Unknown>,
     progress: Progress,
+    /// Pictures of the guess that are there, in the order they were asked for.
+    pictures: Vec<Photo>,
+    /// Whether the last step was small, or one too many.
+    is_done: bool,
     /// Variance of each parameter on the unbounded scale, once a step has been computed.
     variances: Vec<f64>,
 }
 
-/// Everything of a fit that the photograph and the start do not tell: what a later run goes on from.
-#[derive(Clone, Debug, PartialEq)]
+/// A fit between two guesses: beside the photograph all that a later run needs to go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// The guess that is tried.
+    /// The guess that is tried next.
     pub guess: Guess,
     /// The last one that was better than those before, with its sum of squares.
     pub best: Option<(Guess, f64)>,
-    /// Pictures of the guess that are there, in the order they were asked for.
-    pub pictures: Vec<Photo>,
     /// Steps taken.
     pub steps: u32,
     /// Guesses in a row that were worse.
     pub retreats: u32,
-    /// Whether the step was small.
-    pub is_done: bool,
 }
 
 /// Most steps.
@@ -213,39 +103,37 @@ impl KnownShape {
         let block = (((photo.width * photo.height) as f64 / BLOCKS).sqrt().round() as usize).clamp(4, 32);
         let weights = weights(&photo, block);
         let unknowns: Vec<Unknown> = Unknown::ALL.into_iter().filter(|u| unknowns.contains(u)).collect();
-        let progress = Progress {
-            guess: start,
-            best: None,
-            pictures: Vec::new(),
-            steps: 0,
-            retreats: 0,
-            is_done: false,
-        };
-        Self { photo, weights, block, unknowns, progress, variances: Vec::new() }
+        let progress = Progress { guess: start, best: None, steps: 0, retreats: 0 };
+        let (pictures, variances) = (Vec::new(), Vec::new());
+        Self { photo, weights, block, unknowns, progress, pictures, is_done: false, variances }
     }
 
-    /// What a later run needs to go on.
-    pub fn progress(&self) -> &Progress {
-        &self.progress
+    /// How far it is; the pictures of the guess that is tried do not count.
+    pub fn progress(&self) -> Progress {
+        self.progress
     }
 
     /// Goes on from where an earlier fit of the same photograph and parameters was.
-    pub fn resume(&mut self, mut progress: Progress) {
-        let pictures = std::mem::take(&mut progress.pictures);
+    pub fn resume(&mut self, progress: Progress) {
         self.progress = progress;
-        pictures.into_iter().for_each(|picture| self.take(picture));
+        self.pictures.clear();
+    }
+
+    /// Pictures of the guess that are there.
+    pub fn pictures(&self) -> usize {
+        self.pictures.len()
     }
 
     /// The picture that is wanted next; none once the parameters are found.
     pub fn next(&self) -> Option<Request> {
-        let Progress { guess, pictures, is_done, .. } = &self.progress;
-        if *is_done {
+        if self.is_done {
             return None;
         }
-        let (number, seed) = (pictures.len() / SEEDS, pictures.len() % SEEDS);
+        let guess = self.progress.guess;
+        let (number, seed) = (self.pictures.len() / SEEDS, self.pictures.len() % SEEDS);
         let guess = match number.checked_sub(1) {
             Some(i) => guess.moved(self.rendered().nth(i / 2)?, if i % 2 == 0 { 1.0 } else { -1.0 }),
-            None => *guess,
+            None => guess,
         };
         Some(Request { guess, seed })
     }
@@ -266,8 +154,8 @@ impl KnownShape {
 
     /// Takes the picture that was wanted.
     pub fn take(&mut self, picture: Photo) {
-        self.progress.pictures.push(picture);
-        let count = self.progress.pictures.len();
+        self.pictures.push(picture);
+        let count = self.pictures.len();
         if count == SEEDS && self.retreat() {
             return;
         }
@@ -291,7 +179,7 @@ impl KnownShape {
                 self.progress.guess.set(unknown, channel, unknown.bounded(0.5 * (a + b)));
             }
             self.progress.retreats += 1;
-            self.progress.pictures.clear();
+            self.pictures.clear();
             return true;
         }
         self.progress.best = Some((self.progress.guess, sum));
@@ -308,7 +196,7 @@ impl KnownShape {
 
     /// What the picture of the guess and a seed leaves of the photograph.
     fn residual(&self, seed: usize, i: usize, channel: usize) -> f64 {
-        let picture = f64::from(self.progress.pictures[seed].pixels[i][channel]);
+        let picture = f64::from(self.pictures[seed].pixels[i][channel]);
         f64::from(self.photo.pixels[i][channel]) - self.progress.guess.radiance[channel] * picture
     }
 
@@ -355,9 +243,9 @@ impl KnownShape {
             self.progress.guess.set(unknown, channel, unknown.bounded(next));
         }
         self.progress.steps += 1;
-        self.progress.is_done = is_small || self.progress.steps == MOST_STEPS;
-        if !self.progress.is_done {
-            self.progress.pictures.clear();
+        self.is_done = is_small || self.progress.steps == MOST_STEPS;
+        if !self.is_done {
+            self.pictures.clear();
         }
     }
 
@@ -373,7 +261,7 @@ impl KnownShape {
     /// Derivatives of the pictures of each seed by each parameter of a channel.
     fn slopes(&self) -> Vec<(Unknown, [Slope; SEEDS])> {
         let guess = &self.progress.guess;
-        let (base, moved) = self.progress.pictures.split_at(SEEDS);
+        let (base, moved) = self.pictures.split_at(SEEDS);
         let mut moved = moved.chunks_exact(2 * SEEDS);
         let mut of = |unknown: Unknown| {
             let sides = if unknown.is_rendered() { moved.next() } else { None };
@@ -438,7 +326,7 @@ impl KnownShape {
 
     /// Whether the last step was small enough.
     pub fn has_converged(&self) -> bool {
-        self.progress.is_done && self.progress.steps < MOST_STEPS
+        self.is_done && self.progress.steps < MOST_STEPS
     }
 
     /// The parameters where the fit is, with intervals once a step has been computed.
@@ -462,7 +350,7 @@ impl KnownShape {
     /// Variance of the means of blocks over that which independent residuals would have: about 1 where the model is right
     /// and pixels do not depend on their neighbors.
     pub fn misfit(&self) -> f64 {
-        if self.progress.pictures.len() < SEEDS {
+        if self.pictures.len() < SEEDS {
             return f64::NAN;
         }
         let blocks = self.block_of(self.photo.pixels.len() - 1) + 1;
@@ -643,8 +531,8 @@ mod tests {
         while let Some(request) = whole.next() {
             whole.take(rendered(&request));
             parts.take(rendered(&request));
-            if whole.next().is_some() {
-                let kept = parts.progress().clone();
+            if whole.next().is_some() && parts.pictures() == 0 {
+                let kept = parts.progress();
                 parts = new();
                 parts.resume(kept);
             }

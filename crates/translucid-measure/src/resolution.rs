@@ -1,6 +1,62 @@
-//! Samples that are as fine, and reach as far, as a fit needs.
+//! How finely, and how far from the edge, light is fitted: a photograph of many pixels has more than its light needs.
 
+use crate::fit::{ChannelFit, Fit, Outline};
+use crate::remark::{Remark, three_digits};
 use crate::samples::Samples;
+
+/// Most places that are fitted at once: a fit's time grows with their square.
+const MOST_PLACES: usize = 224;
+
+/// Steps of a mean free path from which on finer ones show no more.
+const FINE: f64 = 3.0;
+
+/// Mean free paths around the edge within which its light changes.
+const REACH: f64 = 30.0;
+
+/// Fits samples in steps that are fine beside the shortest mean free path: those of all, and where these are too coarse,
+/// those of a part around the edge. Returns the samples that were fitted, too.
+pub(crate) fn fit_finely(
+    samples: Samples,
+    fit: impl Fn(&Samples) -> Option<Fit>,
+    say: &mut dyn FnMut(Remark),
+) -> Option<(Samples, Fit)> {
+    let (pixel, all) = (samples.pixel_width, samples.places.len());
+    let mut around = samples;
+    loop {
+        let coarse = around.coarse(MOST_PLACES);
+        let found = fit(&coarse)?;
+        if let Some(near) = nearer(&around, &coarse, &found, pixel) {
+            around = near;
+            continue;
+        }
+        if around.places.len() < all {
+            let extent = three_digits(around.places.len() as f64 * pixel);
+            say(Remark::Finding(format!("measured in the {extent} mm around the edge")));
+        }
+        if coarse.pixel_width > pixel {
+            let (pixels, width) = ((coarse.pixel_width / pixel).round(), three_digits(coarse.pixel_width));
+            say(Remark::Finding(format!("measured in steps of {pixels} pixels, {width} mm")));
+        }
+        return Some((coarse, found));
+    }
+}
+
+/// The samples around the edge, where those of all are too coarse for the fit and these are clearly fewer.
+fn nearer(all: &Samples, coarse: &Samples, found: &Fit, pixel: f64) -> Option<Samples> {
+    let mfp = |channel: &ChannelFit| if channel.is_seen { channel.mfp.value } else { 0.0 };
+    let mfps = found.channels.each_ref().map(mfp);
+    let [shortest, longest] =
+        [mfps.iter().copied().fold(f64::MAX, f64::min), mfps.iter().copied().fold(0.0, f64::max)];
+    if coarse.pixel_width <= pixel || shortest >= FINE * coarse.pixel_width {
+        return None;
+    }
+    let middle = match found.outline {
+        Outline::Edge { position, .. } => position,
+        Outline::Spot { .. } => 0.0,
+    };
+    let near = all.within(middle, REACH * longest.max(2.0 * coarse.pixel_width));
+    (near.places.len() < all.places.len() * 4 / 5).then_some(near)
+}
 
 impl Samples {
     /// Means over as many neighboring places as leave no more than `most`; a rest at the far end is left out.

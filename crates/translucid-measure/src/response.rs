@@ -7,7 +7,7 @@ use translucid_profile::ParameterError;
 use translucid_reference::exact::{HalfSpace, SeenFromAbove, single_scattering_albedo};
 use translucid_reference::{Incidence, specular_reflectance};
 
-use crate::cubic::cubic;
+use crate::cubic_lagrange::lagrange_weights;
 use crate::slab::{Slab, SlabTransfer};
 
 /// How pieces answer stripes of light: half spaces of isotropic scatterers, or what they are compared with.
@@ -183,7 +183,7 @@ impl Transfer<'_> {
         match &self.shape {
             Shape::Rows(rows, weights, offset) => {
                 let column = (libm::log10(kappa.min(1e30)) - DECADES[0]) * PER_DECADE as f64;
-                let (first, of_column) = cubic(rows[0].len(), column);
+                let (first, of_column) = lagrange_weights(rows[0].len(), column);
                 let mut entry = [*offset, 0.0];
                 for (row, of_row) in rows.iter().zip(weights) {
                     for (value, weight) in row.iter().skip(first).zip(of_column) {
@@ -237,7 +237,7 @@ impl HalfSpaces {
     }
 
     fn transfer(&self, surface_albedo: f64) -> Shape<'_> {
-        let (first, weights) = cubic(ROWS, place_of(surface_albedo));
+        let (first, weights) = lagrange_weights(ROWS, place_of(surface_albedo));
         let offset = self.offset(surface_albedo.max(ALBEDOS[1]).min(ALBEDOS[0]));
         Shape::Rows([0, 1, 2, 3].map(|i| self.row(first + i).entries.as_slice()), weights, offset)
     }
@@ -256,7 +256,7 @@ impl HalfSpaces {
             // Without a row, of which below a boundary each takes a second
             return (1.0 - specular_reflectance(incidence, eta)) * surface_albedo;
         }
-        let (first, weights) = cubic(ROWS, place_of(surface_albedo));
+        let (first, weights) = lagrange_weights(ROWS, place_of(surface_albedo));
         // In proportion to A it is smooth where A is small, and goes on where A is none
         let over_albedo = |i: usize| {
             let root = root_of(ALBEDOS[0]) + step() * i as f64;

@@ -21,7 +21,7 @@ use translucid_profile::quadrature::gauss_legendre;
 use translucid_reference::Incidence;
 use translucid_reference::exact::single_scattering_albedo;
 
-use crate::cubic::cubic;
+use crate::cubic_lagrange::lagrange_weights;
 
 /// Rays into a hemisphere.
 const RAYS: usize = 12;
@@ -71,9 +71,9 @@ impl Slab {
     pub(crate) fn transfer(&self, surface_albedo: f64, mfp: f64) -> SlabTransfer {
         let albedo = surface_albedo.max(0.005).min(GREATEST);
         let root = (1.0 - albedo).sqrt() - (1.0 - GREATEST).sqrt();
-        let (first, of_albedo) = cubic(ALBEDO_ROWS, root / ALBEDO_STEP);
+        let (first, of_albedo) = lagrange_weights(ALBEDO_ROWS, root / ALBEDO_STEP);
         let depth = libm::log((self.thickness / mfp).max(THINNEST).min(150.0) / THINNEST);
-        let (thinnest, of_depth) = cubic(THICKNESS_ROWS, depth / THICKNESS_STEP);
+        let (thinnest, of_depth) = lagrange_weights(THICKNESS_ROWS, depth / THICKNESS_STEP);
         let mut logarithms = vec![0.0; WAVES + 1];
         for (i, a) in of_albedo.iter().enumerate().filter(|(_, a)| **a != 0.0) {
             for (j, b) in of_depth.iter().enumerate().filter(|(_, b)| **b != 0.0) {
@@ -115,7 +115,7 @@ impl SlabTransfer {
             let first = self.logarithms[1] - zero;
             return libm::exp(first * libm::exp(2.0 * (x - LEAST_WAVE)));
         }
-        let (first, weights) = cubic(WAVES, place.min((WAVES - 1) as f64));
+        let (first, weights) = lagrange_weights(WAVES, place.min((WAVES - 1) as f64));
         let logarithm: f64 = (0..4).map(|i| weights[i] * self.logarithms[1 + first + i]).sum();
         libm::exp(logarithm - zero).min(1.0)
     }

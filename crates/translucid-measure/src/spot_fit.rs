@@ -13,10 +13,10 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use crate::clusters::Clusters;
+use crate::detectability::is_detectable;
 use crate::fit::{ChannelFit, Fit, Outline, Scale};
 use crate::response::Response;
 use crate::samples::Samples;
-use crate::seen::is_seen;
 use crate::spot::{Spot, SpotModel};
 
 /// Parameters that all channels share, and those of each.
@@ -37,7 +37,7 @@ pub fn fit_spot(samples: &Samples, response: &Response, scale: Scale) -> Option<
         ChannelFit {
             mfp: found.interval(first, libm::exp),
             surface_albedo: (scale == Scale::Reflectance).then(|| found.interval(first + 1, |a| a)),
-            is_seen: is_seen(samples, p[1], p[first], found.error(first)),
+            is_seen: is_detectable(samples, p[1], p[first], found.error(first)),
             correlation: found.correlation(first, first + 1),
             stray: stray / (curves[c][0] - stray).max(f64::MIN_POSITIVE),
             unevenness: 0.0,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::photo::Photo;
+use crate::linear_photo::Photo;
 use crate::samples::Samples;
 
 /// The middle of a spot in pixels: x to the right, y down, (0.5, 0.5) the middle of the first.

@@ -10,6 +10,7 @@ mod fit;
 mod keys;
 mod live_session;
 mod long_work;
+mod measure;
 mod names;
 mod photons;
 mod pictures;
@@ -51,6 +52,8 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reference::exact_beyond, module)?,
         wrap_pyfunction!(reference::exact_total, module)?,
         wrap_pyfunction!(white_table::walk, module)?,
+        wrap_pyfunction!(measure::_measure, module)?,
+        wrap_pyfunction!(measure::_measure_scene, module)?,
         wrap_pyfunction!(pictures::tonemap, module)?,
         wrap_pyfunction!(pictures::png_bytes, module)?,
         wrap_pyfunction!(pictures::write_exr, module)?,

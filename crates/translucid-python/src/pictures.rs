@@ -22,13 +22,13 @@ use crate::scene_error::scene_error;
 const MOST_CHANNELS: usize = 4;
 
 /// A picture as single-precision numbers of shape (height, width, channels).
-struct Pixels<'py> {
+pub(crate) struct Pixels<'py> {
     array: numpy::PyReadonlyArrayDyn<'py, f32>,
 }
 
 impl<'py> Pixels<'py> {
     /// The pixels of an argument; single precision as it lies, everything else as a copy.
-    fn extract(name: &str, object: &Any<'py>) -> PyResult<Self> {
+    pub(crate) fn extract(name: &str, object: &Any<'py>) -> PyResult<Self> {
         let array = match object.cast::<PyArrayDyn<f32>>() {
             Ok(array) => array.clone(),
             Err(_) => {
@@ -59,13 +59,13 @@ impl<'py> Pixels<'py> {
         Ok(Self { array: array.try_readonly()? })
     }
 
-    fn view(&self) -> ArrayView3<'_, f32> {
+    pub(crate) fn view(&self) -> ArrayView3<'_, f32> {
         let view: ArrayViewD<'_, f32> = self.array.as_array();
         view.into_dimensionality::<Ix3>().expect("a picture has three dimensions")
     }
 
     /// Refuses pictures without color.
-    fn require_color(self, name: &str) -> PyResult<Self> {
+    pub(crate) fn require_color(self, name: &str) -> PyResult<Self> {
         match self.array.shape()[2] {
             3 | 4 => Ok(self),
             channels => Err(PyValueError::new_err(format!(

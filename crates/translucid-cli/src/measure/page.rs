@@ -4,11 +4,11 @@ use std::path::Path;
 
 use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
-use translucid_measure::Outline;
+use translucid_measure::{CHANNELS, Measurement, Outline, Resynthesis, three_digits};
 
-use super::report::{CHANNELS, outline_name, three_digits};
-use super::setup::{SCENE, Setup};
-use super::shown::Shown;
+use super::report::{COLUMNS, rows};
+use super::setup_plates::{SCENE, plates};
+use super::words;
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
 
@@ -24,52 +24,28 @@ const INKS: [Ink; 3] = [Ink::Numbered(0), Ink::Numbered(2), Ink::Numbered(1)];
 const WIDEST: usize = 900;
 
 /// Writes the page and its files into a directory.
-pub(super) fn write(
-    directory: &Path,
-    photo: &Path,
-    shown: &Shown<'_>,
-    setup: Option<&Setup>,
-    table: DataTable,
-) -> Result<(), Failure> {
+pub(super) fn write(directory: &Path, photo: &Path, measurement: &Measurement) -> Result<(), Failure> {
     Directory::fill(directory, |directory| {
         let page = directory.file(PAGE);
         if page.exists() && !is_own_page(&page, TITLE) {
             return Err(refusal(&page, "is there already, and translucid has not made it"));
         }
-        directory.write(&files(photo, shown, setup, table)?)
+        directory.write(&files(photo, measurement)?)
     })
 }
 
-fn files(
-    photo: &Path,
-    shown: &Shown<'_>,
-    setup: Option<&Setup>,
-    table: DataTable,
-) -> Result<Vec<NamedFile>, Failure> {
+fn files(photo: &Path, measurement: &Measurement) -> Result<Vec<NamedFile>, Failure> {
     let drawing = |error: std::io::Error| Failure::work(format!("cannot draw a picture: {error}"));
-    let plate = plate(shown).map_err(drawing)?;
+    let plate = plate(measurement).map_err(drawing)?;
     let mut files = vec![(String::from(PICTURE), plate.png.clone())];
-    let mut beside = Vec::new();
-    if let Some((setup, scene)) = setup.and_then(|setup| Some((setup, setup.scene(shown)?))) {
-        if let Some(plates) = setup.plates(&scene, shown)? {
+    let mut photograph = vec![Block::Plates(vec![plate])];
+    if let Some(resynthesis) = Resynthesis::new(measurement) {
+        if let Some(plates) = plates(&resynthesis)? {
             files.extend(plates.each_ref().map(|plate| (plate.file.clone(), plate.png.clone())));
-            beside.push(Block::Plates(plates.into()));
+            photograph.push(Block::Plates(plates.into()));
         }
-        files.push((String::from(SCENE), scene.into_bytes()));
+        files.push((String::from(SCENE), resynthesis.scene().into_bytes()));
     }
-    let mut limits = Section::new("What limits the accuracy");
-    limits.blocks.extend(shown.limits.iter().map(|limit| Block::Text(sentence(limit))));
-    let noise = format!(
-        "What the fit leaves over is {:.2} times the noise, which the differences of {} tell. \
-         The camera's blur is {} mm.",
-        shown.fit.misfit.sqrt(),
-        match shown.fit.outline {
-            Outline::Edge { .. } => "24 blocks along the edge",
-            Outline::Spot { .. } => "12 sectors around the spot",
-        },
-        three_digits(shown.fit.blur)
-    );
-    limits.blocks.push(Block::Text(noise));
     let section = |title: &str, blocks: Vec<Block>| Section { title: title.to_owned(), blocks };
     let page = Page {
         title: format!("{TITLE}: {}", photo.file_name().unwrap_or_default().to_string_lossy()),
@@ -77,10 +53,10 @@ fn files(
             "Light of the photograph, the piece that explains it, and what remains between the two.",
         )],
         sections: vec![
-            section("Material", vec![Block::Table(table)]),
-            section("Fit", vec![Block::Chart(light(shown)), Block::Chart(residuals(shown))]),
-            section("Photograph", std::iter::once(Block::Plates(vec![plate])).chain(beside).collect()),
-            limits,
+            section("Material", vec![Block::Table(table(measurement))]),
+            section("Fit", vec![Block::Chart(light(measurement)), Block::Chart(residuals(measurement))]),
+            section("Photograph", photograph),
+            limits(measurement),
         ],
     };
     for chart in page.charts() {
@@ -93,6 +69,30 @@ fn files(
     Ok(files)
 }
 
+fn table(measurement: &Measurement) -> DataTable {
+    let caption = "What is measured, with intervals of 68 and of 95 % confidence.";
+    DataTable { rows: rows(&measurement.quantities()), ..DataTable::new("measured", caption, &COLUMNS) }
+}
+
+/// The section on what limits the accuracy.
+fn limits(measurement: &Measurement) -> Section {
+    let mut section = Section::new("What limits the accuracy");
+    let remarks = measurement.limits.iter().map(|limit| sentence(&words(limit.text())));
+    section.blocks.extend(remarks.map(Block::Text));
+    let noise = format!(
+        "What the fit leaves over is {:.2} times the noise, which the differences of {} tell. \
+         The camera's blur is {} mm.",
+        measurement.fit.misfit.sqrt(),
+        match measurement.fit.outline {
+            Outline::Edge { .. } => "24 blocks along the edge",
+            Outline::Spot { .. } => "12 sectors around the spot",
+        },
+        three_digits(measurement.fit.blur)
+    );
+    section.blocks.push(Block::Text(noise));
+    section
+}
+
 /// A remark of the command as a sentence.
 fn sentence(remark: &str) -> String {
     let mut letters = remark.chars();
@@ -101,52 +101,52 @@ fn sentence(remark: &str) -> String {
     format!("{first}{}{end}", letters.as_str())
 }
 
-fn points(shown: &Shown<'_>, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
-    let origin = match shown.fit.outline {
+fn points(measurement: &Measurement, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    let origin = match measurement.fit.outline {
         Outline::Edge { position, .. } => position,
         Outline::Spot { .. } => 0.0,
     };
     let place = |(i, x): (usize, &f64)| [x - origin, value(i)];
-    shown.samples.places.iter().enumerate().map(place).collect()
+    measurement.samples.places.iter().enumerate().map(place).collect()
 }
 
-fn distance(shown: &Shown<'_>) -> Axis {
-    match shown.fit.outline {
+fn distance(measurement: &Measurement) -> Axis {
+    match measurement.fit.outline {
         Outline::Edge { .. } => Axis::linear("distance from the edge", "mm"),
         Outline::Spot { .. } => Axis::linear("distance from the middle", "mm"),
     }
 }
 
-fn light(shown: &Shown<'_>) -> Chart {
-    let means = shown.samples.means();
+fn light(measurement: &Measurement) -> Chart {
+    let means = measurement.samples.means();
     let lines = "Points: the photograph. Lines: the half space that explains it best.";
-    let (title, y, caption) = match shown.fit.outline {
+    let (title, y, caption) = match measurement.fit.outline {
         Outline::Edge { .. } => ("Light across the edge", Axis::linear("light", ""), String::from(lines)),
         // How far it glows is told by what is far darker than the spot
         Outline::Spot { .. } => {
             let lights =
-                || means.iter().chain(&shown.fit.light).flatten().copied().filter(|light| *light > 0.0);
+                || means.iter().chain(&measurement.fit.light).flatten().copied().filter(|light| *light > 0.0);
             let most = lights().fold(f64::MIN_POSITIVE, f64::max);
             let least = lights().fold(most, f64::min).max(1e-5 * most);
             // A share of the power, where paper tells that
-            let unit = if shown.fit.channels[0].surface_albedo.is_some() { "mm⁻²" } else { "" };
+            let unit = if measurement.fit.channels[0].surface_albedo.is_some() { "mm⁻²" } else { "" };
             let axis = Axis::logarithmic("light", unit).between(0.5 * least, 2.0 * most);
             ("Light around the spot", axis, format!("{lines} What is at or below 0 is left out."))
         }
     };
-    let mut chart = Chart::new("fit", title, distance(shown), y).with_caption(&caption);
+    let mut chart = Chart::new("fit", title, distance(measurement), y).with_caption(&caption);
     for (c, name) in CHANNELS.iter().enumerate() {
-        let seen = points(shown, |i| means[i][c]);
-        let model = points(shown, |i| shown.fit.light[i][c]);
+        let seen = points(measurement, |i| means[i][c]);
+        let model = points(measurement, |i| measurement.fit.light[i][c]);
         chart.series.push(Series::new(name, INKS[c], Mark::Points, seen));
         chart.series.push(Series::new(&format!("{name}, fit"), INKS[c], Mark::Line, model));
     }
     chart
 }
 
-fn residuals(shown: &Shown<'_>) -> Chart {
-    let means = shown.samples.means();
-    let (unit, caption) = match shown.fit.outline {
+fn residuals(measurement: &Measurement) -> Chart {
+    let means = measurement.samples.means();
+    let (unit, caption) = match measurement.fit.outline {
         Outline::Edge { .. } => (
             "%",
             "In percent of the brightest light of the fit. Where the model is right there is noise only.",
@@ -159,25 +159,25 @@ fn residuals(shown: &Shown<'_>) -> Chart {
     };
     let y = Axis::linear("photograph less fit", unit);
     let mut chart =
-        Chart::new("residuals", "What the fit leaves over", distance(shown), y).with_caption(caption);
+        Chart::new("residuals", "What the fit leaves over", distance(measurement), y).with_caption(caption);
     for (c, name) in CHANNELS.iter().enumerate() {
-        let most = shown.fit.light.iter().map(|light| light[c]).fold(f64::MIN_POSITIVE, f64::max);
-        let scale = |i: usize| match shown.fit.outline {
+        let most = measurement.fit.light.iter().map(|light| light[c]).fold(f64::MIN_POSITIVE, f64::max);
+        let scale = |i: usize| match measurement.fit.outline {
             Outline::Edge { .. } => 0.01 * most,
-            Outline::Spot { .. } => shown.fit.errors[i][c],
+            Outline::Spot { .. } => measurement.fit.errors[i][c],
         };
-        let left = points(shown, |i| (means[i][c] - shown.fit.light[i][c]) / scale(i));
+        let left = points(measurement, |i| (means[i][c] - measurement.fit.light[i][c]) / scale(i));
         chart.series.push(Series::new(name, INKS[c], Mark::Line, left));
     }
     chart
 }
 
 /// The photograph, dark but for the region, with the edge as a line.
-fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
-    let Shown { photo, region: [x0, y0, x1, y1], trace, .. } = shown;
+fn plate(measurement: &Measurement) -> std::io::Result<Plate> {
+    let Measurement { photo, region: [x0, y0, x1, y1], trace, .. } = measurement;
     let step = photo.width.max(photo.height).div_ceil(WIDEST).max(1);
     let size = [photo.width.div_ceil(step), photo.height.div_ceil(step)];
-    let lit = shown.fit.light.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) as f32;
+    let lit = measurement.fit.light.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) as f32;
     let mut codes = Vec::with_capacity(3 * size[0] * size[1]);
     for i in 0..size[0] * size[1] {
         let (x, y) = (step * (i % size[0]), step * (i / size[0]));
@@ -194,11 +194,11 @@ fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
         file: String::from(PICTURE),
         alternative: format!(
             "The photograph with the region that was measured and the {} in it",
-            outline_name(shown.fit)
+            measurement.fit.outline.name()
         ),
         caption: format!(
             "The region that was measured, the rest darkened, and the {} in red.",
-            outline_name(shown.fit)
+            measurement.fit.outline.name()
         ),
         size,
         png: CodedPicture::rgb(size, &codes).encode()?,

@@ -312,7 +312,7 @@ fn spot_gives_back_its_material() {
     let clipped = words.replace("spot.exr", "spot.png");
     let output = run(directory.path(), &format!("{clipped} --surface-albedo 0.85,0.6,0.35 --format csv"));
     assert!(
-        stderr(&output).contains("pixels from the middle of the spot: that core is left out"),
+        stderr(&output).contains("pixels from the center of the spot: that core is left out"),
         "{}",
         stderr(&output)
     );

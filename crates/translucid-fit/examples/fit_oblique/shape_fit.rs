@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use nalgebra::{DMatrix, DVector};
+use translucid_fit::{LevenbergMarquardt, Residuals, least_squares};
 use translucid_profile::{Configuration, Parameterization, RefinedDiffusion};
 
 /// Exponentials, as many as the profile of light along the normal has.
@@ -120,10 +120,11 @@ impl Shape {
 
     /// Every coefficient as a multiple of a unit.
     pub(crate) fn rounded(&self, unit: f64) -> Self {
-        Self::from_parameters(&self.parameters().map(|c| (c / unit).round() * unit))
+        let parameters: Vec<f64> = self.parameters().iter().map(|c| (c / unit).round() * unit).collect();
+        Self::from_parameters(&parameters)
     }
 
-    fn from_parameters(parameters: &DVector<f64>) -> Self {
+    fn from_parameters(parameters: &[f64]) -> Self {
         let mut rest = parameters.iter().copied();
         let mut next = || rest.next().expect("as many as PARAMETERS says");
         let mut shape = Self::START;
@@ -133,10 +134,9 @@ impl Shape {
         shape
     }
 
-    fn parameters(&self) -> DVector<f64> {
+    fn parameters(&self) -> Vec<f64> {
         let tilts = self.tilts.as_flattened().as_flattened();
-        let all = tilts.iter().chain(self.weights.as_flattened()).chain(self.rates.as_flattened());
-        DVector::from_iterator(PARAMETERS, all.copied())
+        tilts.iter().chain(self.weights.as_flattened()).chain(self.rates.as_flattened()).copied().collect()
     }
 }
 
@@ -180,20 +180,21 @@ impl Exact {
 /// The sum of √(x² + ε²) over all differences x, by least squares whose weights 1/√(x² + ε²) are made anew as ε falls,
 /// is the sum of |x| in the end.
 pub(crate) fn minimize_l1(exact: &[Exact]) -> Shape {
+    let search = LevenbergMarquardt::new().with_ftol(TOLERANCE).with_patience(1);
     let mut problem = Problem::new(exact);
+    let mut parameters = Shape::START.parameters();
     for stage in 0..STAGES {
         // From a percent of the energy in a cell to what no longer matters
-        problem.reweight(0.01 * 0.01f64.powf(f64::from(stage) / f64::from(STAGES - 1)));
-        (problem, _) = LevenbergMarquardt::new().with_ftol(TOLERANCE).with_patience(1).minimize(problem);
+        problem.reweight(&parameters, 0.01 * 0.01f64.powf(f64::from(stage) / f64::from(STAGES - 1)));
+        parameters = least_squares(search, &parameters, &problem);
     }
-    Shape::from_parameters(&problem.parameters)
+    Shape::from_parameters(&parameters)
 }
 
 /// The differences in all cells, each times the root of its weight, and how far limits are overstepped.
 struct Problem<'a> {
     exact: &'a [Exact],
     roots: Vec<f64>,
-    parameters: DVector<f64>,
 }
 
 /// Weight of overstepping a limit by 1, in differences.
@@ -204,17 +205,19 @@ const WATCHED: u32 = 40;
 impl<'a> Problem<'a> {
     fn new(exact: &'a [Exact]) -> Self {
         let cells = exact.iter().map(|exact| exact.cells.len()).sum();
-        Self { exact, roots: vec![1.0; cells], parameters: Shape::START.parameters() }
+        Self { exact, roots: vec![1.0; cells] }
     }
 
-    fn reweight(&mut self, epsilon: f64) {
+    fn reweight(&mut self, parameters: &[f64], epsilon: f64) {
         self.roots.fill(1.0);
-        let residuals = self.residuals_at(&self.parameters);
+        let residuals = self.residuals(parameters);
         let root = |x: &f64| x.hypot(epsilon).sqrt().recip();
         self.roots = residuals.iter().take(self.roots.len()).map(root).collect();
     }
+}
 
-    fn residuals_at(&self, parameters: &DVector<f64>) -> DVector<f64> {
+impl Residuals for Problem<'_> {
+    fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
         let shape = Shape::from_parameters(parameters);
         let mut residuals = Vec::with_capacity(self.roots.len() + (WATCHED as usize + 1) * 15);
         let mut roots = self.roots.iter();
@@ -228,38 +231,19 @@ impl<'a> Problem<'a> {
         }
         let watched = (0..=WATCHED).map(|i| f64::from(i) / f64::from(WATCHED));
         residuals.extend(watched.flat_map(|a| shape.margins(a)).map(|margin| PENALTY * margin.min(0.0)));
-        DVector::from_vec(residuals)
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ParameterStorage = Owned<f64, Dyn>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-
-    fn set_params(&mut self, parameters: &DVector<f64>) {
-        self.parameters.copy_from(parameters);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.parameters.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.residuals_at(&self.parameters))
+        residuals
     }
 
     /// By differences: the fit needs no more.
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
+    fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
         const STEP: f64 = 1e-6;
-        let here = self.residuals_at(&self.parameters);
-        let columns: Vec<DVector<f64>> = (0..PARAMETERS)
-            .map(|j| {
-                let mut moved = self.parameters.clone();
-                moved[j] += STEP;
-                (self.residuals_at(&moved) - &here) / STEP
-            })
-            .collect();
-        Some(DMatrix::from_columns(&columns))
+        let here = self.residuals(parameters);
+        let column = |j: usize| {
+            let mut moved = parameters.to_vec();
+            moved[j] += STEP;
+            let slope = |(there, here): (&f64, &f64)| (there - here) / STEP;
+            DVector::from_vec(self.residuals(&moved).iter().zip(&here).map(slope).collect())
+        };
+        DMatrix::from_columns(&(0..PARAMETERS).map(column).collect::<Vec<_>>())
     }
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use nalgebra::{DMatrix, DVector};
+use translucid_fit::{LevenbergMarquardt, Residuals, least_squares};
 use translucid_profile::Profile;
 
 /// Exponentials.
@@ -86,9 +86,8 @@ impl Shape {
         Self { weights: std::array::from_fn(row), rates: std::array::from_fn(rate_row) }
     }
 
-    fn parameters(&self) -> DVector<f64> {
-        let all = self.weights.as_flattened().iter().chain(self.rates.as_flattened());
-        DVector::from_iterator(PARAMETERS, all.copied())
+    fn parameters(&self) -> Vec<f64> {
+        self.weights.as_flattened().iter().chain(self.rates.as_flattened()).copied().collect()
     }
 }
 
@@ -126,13 +125,15 @@ impl Grid {
 
     /// The optimum near a start.
     pub(crate) fn minimize_l1(&self, start: Shape) -> Shape {
-        let mut problem = Problem::new(self, &start);
+        let search = LevenbergMarquardt::new().with_patience(1);
+        let mut problem = Problem { grid: self, roots: Vec::new() };
+        let mut parameters = start.parameters();
         for step in 0..STAGES {
             // From a few percent of the energy in an e-fold of radii to what no longer matters
-            problem.reweight(0.03 * 0.01f64.powf(f64::from(step) / f64::from(STAGES - 1)));
-            (problem, _) = LevenbergMarquardt::new().with_patience(1).minimize(problem);
+            problem.reweight(&parameters, 0.03 * 0.01f64.powf(f64::from(step) / f64::from(STAGES - 1)));
+            parameters = least_squares(search, &parameters, &problem);
         }
-        Shape::from_parameters(problem.parameters.as_slice())
+        Shape::from_parameters(&parameters)
     }
 }
 
@@ -140,23 +141,18 @@ impl Grid {
 struct Problem<'a> {
     grid: &'a Grid,
     roots: Vec<f64>,
-    parameters: DVector<f64>,
 }
 
-impl<'a> Problem<'a> {
-    fn new(grid: &'a Grid, start: &Shape) -> Self {
-        Self { grid, roots: vec![1.0; grid.points.len()], parameters: start.parameters() }
-    }
-
+impl Problem<'_> {
     /// Makes the weights 1/√(x² + ε²) of the present differences x.
-    fn reweight(&mut self, epsilon: f64) {
+    fn reweight(&mut self, parameters: &[f64], epsilon: f64) {
         let root = |x: f64| x.hypot(epsilon).sqrt().recip();
-        self.roots = self.differences().iter().map(|x| root(*x)).collect();
+        self.roots = self.differences(parameters).map(root).collect();
     }
 
-    fn differences(&self) -> DVector<f64> {
-        let shape = Shape::from_parameters(self.parameters.as_slice());
-        let difference = |point: &Point| {
+    fn differences(&self, parameters: &[f64]) -> impl Iterator<Item = f64> {
+        let shape = Shape::from_parameters(parameters);
+        let difference = move |point: &Point| {
             let [weights, rates] = shape.terms(point.surface_albedo);
             let ring = |k: usize| {
                 let x = rates[k].max(LEAST_RATE) * point.r;
@@ -164,33 +160,19 @@ impl<'a> Problem<'a> {
             };
             (0..TERMS).map(ring).sum::<f64>() - point.ring
         };
-        DVector::from_iterator(self.grid.points.len(), self.grid.points.iter().map(difference))
+        self.grid.points.iter().map(difference)
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ParameterStorage = Owned<f64, Dyn>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-
-    fn set_params(&mut self, parameters: &DVector<f64>) {
-        self.parameters.copy_from(parameters);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.parameters.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let mut residuals = self.differences();
-        residuals.iter_mut().zip(&self.roots).for_each(|(x, root)| *x *= root);
-        Some(residuals)
+impl Residuals for Problem<'_> {
+    fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
+        self.differences(parameters).zip(&self.roots).map(|(x, root)| x * root).collect()
     }
 
     /// With E_k = x e^{−x} of x = λ_k r: ∂/∂w_k = E_k − E_last,  ∂/∂λ_k = w_k r (1 − x) e^{−x}; each times the powers
     /// of A.
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let shape = Shape::from_parameters(self.parameters.as_slice());
+    fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
+        let shape = Shape::from_parameters(parameters);
         let mut jacobian = DMatrix::zeros(self.grid.points.len(), PARAMETERS);
         for (row, (point, root)) in self.grid.points.iter().zip(&self.roots).enumerate() {
             let [weights, rates] = shape.terms(point.surface_albedo);
@@ -207,6 +189,6 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
                 }
             }
         }
-        Some(jacobian)
+        jacobian
     }
 }

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use bytemuck::{Pod, bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use serde::{Deserialize, Serialize};
 use translucid_files::write_atomically;
-use translucid_image::{OutputError, PixelRect, damaged};
+use translucid_image::{OutputError, PixelRect};
 
 use super::exact_sums::ExactSums;
 use super::film::{FilmSums, TileSums};
@@ -364,4 +364,9 @@ impl<T: Write> Checksummed<T> {
     fn finish(mut self) -> io::Result<()> {
         self.inner.write_all(&self.crc.finalize().to_le_bytes())
     }
+}
+
+/// The error of data that cannot be right.
+fn damaged(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
 }

@@ -1,19 +1,17 @@
 //! Robust weighted least squares of a few parameters.
+//!
+//! MINPACK's search, which `translucid-fit` has by a crate, ends in the same minima, but takes up to thirty times as long where
+//! blur and creeping explain the light alike: it follows such valleys to their end, and begins anew after each weighing.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Where the squares of residuals are least.
+/// Where the weighted squares of residuals are least.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Minimum {
-    /// Where that is.
-    pub parameters: Vec<f64>,
+pub(crate) struct RobustMinimum {
+    /// The parameters.
+    pub(crate) parameters: Vec<f64>,
     /// Weights that outliers have left to each residual, in (0, 1].
-    pub weights: Vec<f64>,
-    /// Σ w r², with those weights.
-    pub sum_of_squares: f64,
-    /// Covariance of the parameters where residuals of unit variance are independent, row by row; infinite for what they
-    /// do not determine.
-    pub covariance: Vec<Vec<f64>>,
+    pub(crate) weights: Vec<f64>,
 }
 
 /// Residuals farther out than this many robust standard deviations count less, as Huber (1964) weighs them: with 1.345 a
@@ -22,6 +20,9 @@ const HUBER: f64 = 1.345;
 
 /// Rounds of weighing.
 const ROUNDS: usize = 8;
+
+/// Step of the difference quotients, in the scales of the parameters.
+const STEP: f64 = 1e-4;
 
 /// A parameter whose step changes the residuals by less than this squared hardly moves.
 const UNFELT: f64 = 1e-9;
@@ -33,7 +34,11 @@ const STEPS: usize = 60;
 /// scale is the median of |r|. `scales` are steps for differences of the parameters.
 ///
 /// Where residuals are not finite, a step is not taken.
-pub fn minimize(residuals: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], scales: &[f64]) -> Minimum {
+pub(crate) fn robust_least_squares(
+    residuals: impl Fn(&[f64]) -> Vec<f64>,
+    start: &[f64],
+    scales: &[f64],
+) -> RobustMinimum {
     let mut parameters = start.to_vec();
     let mut values = residuals(&parameters);
     let mut weights = vec![1.0; values.len()];
@@ -46,14 +51,10 @@ pub fn minimize(residuals: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], scales: &
             break;
         }
     }
-    let jacobian = jacobian(&residuals, &parameters, scales);
-    let normal = weighted_normal(&jacobian, &weights);
-    let n = parameters.len();
-    let inverse = normal.try_inverse().unwrap_or_else(|| DMatrix::from_element(n, n, f64::INFINITY));
-    let covariance = (0..n).map(|i| (0..n).map(|j| inverse[(i, j)]).collect()).collect();
-    Minimum { sum_of_squares: weighted_sum(&values, &weights), parameters, weights, covariance }
+    RobustMinimum { parameters, weights }
 }
 
+/// Moves the parameters down to where Σ w r² is least.
 fn descend(
     residuals: &impl Fn(&[f64]) -> Vec<f64>,
     parameters: &mut Vec<f64>,
@@ -96,16 +97,20 @@ fn descend(
     }
 }
 
-fn jacobian(residuals: &impl Fn(&[f64]) -> Vec<f64>, parameters: &[f64], scales: &[f64]) -> DMatrix<f64> {
+/// Derivatives of the residuals by central differences.
+pub(crate) fn jacobian(
+    residuals: &impl Fn(&[f64]) -> Vec<f64>,
+    parameters: &[f64],
+    scales: &[f64],
+) -> DMatrix<f64> {
     let column = |i: usize| {
         let at = |sign: f64| {
             let mut moved = parameters.to_vec();
-            moved[i] += sign * 1e-4 * scales[i];
+            moved[i] += sign * STEP * scales[i];
             residuals(&moved)
         };
-        let difference: Vec<f64> =
-            at(1.0).iter().zip(at(-1.0)).map(|(a, b)| (a - b) / (2e-4 * scales[i])).collect();
-        DVector::from_vec(difference)
+        let slope = |(a, b): (&f64, &f64)| (a - b) / (2.0 * STEP * scales[i]);
+        DVector::from_vec(at(1.0).iter().zip(&at(-1.0)).map(slope).collect())
     };
     DMatrix::from_columns(&(0..parameters.len()).map(column).collect::<Vec<_>>())
 }
@@ -146,21 +151,9 @@ mod tests {
             })
             .collect();
         let residuals = |p: &[f64]| points.iter().map(|(x, y)| p[0] + p[1] * x - y).collect();
-        let minimum = minimize(residuals, &[0.0, 0.0], &[1.0, 1.0]);
+        let minimum = robust_least_squares(residuals, &[0.0, 0.0], &[1.0, 1.0]);
         assert!((minimum.parameters[0] - 2.0).abs() < 2e-3, "{:?}", minimum.parameters);
         assert!((minimum.parameters[1] - 3.0).abs() < 1e-3, "{:?}", minimum.parameters);
         assert!(minimum.weights[7] < 0.01 && minimum.weights[8] > 0.3);
-    }
-
-    #[test]
-    fn covariance_is_that_of_the_line() {
-        let xs: Vec<f64> = (0..11).map(|i| f64::from(i) - 5.0).collect();
-        // As far off on both sides, so that none is an outlier
-        let sign = |x: &f64| if x.abs() % 2.0 < 0.5 { 1.0 } else { -1.0 };
-        let residuals = |p: &[f64]| xs.iter().map(|x| p[0] + p[1] * x - x + sign(x)).collect();
-        let minimum = minimize(residuals, &[0.3, 0.0], &[1.0, 1.0]);
-        // Σ 1 = 11, Σ x² = 110
-        assert!((minimum.covariance[0][0] - 1.0 / 11.0).abs() < 1e-9);
-        assert!((minimum.covariance[1][1] - 1.0 / 110.0).abs() < 1e-9);
     }
 }

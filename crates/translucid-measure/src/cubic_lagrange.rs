@@ -1,8 +1,8 @@
-//! Cubics through the values of a table.
+//! Interpolation of a table by cubic Lagrange polynomials.
 
-/// The first of the four of `count` values around a place, and their weights in a cubic through them; those of a straight
-/// line beyond the ends.
-pub(crate) fn cubic(count: usize, place: f64) -> (usize, [f64; 4]) {
+/// The first of the four of `count` values around a place, and their weights in the cubic through them; beyond the ends those of
+/// a straight line.
+pub(crate) fn lagrange_weights(count: usize, place: f64) -> (usize, [f64; 4]) {
     let last = (count - 1) as f64;
     if place <= 0.0 {
         return (0, [1.0 - place, place, 0.0, 0.0]);
