@@ -2,10 +2,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, NamedTuple, TypeAlias, final
+from typing import Any, Final, Literal, NamedTuple, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
 
 from . import reference as reference
 from ._presets import Presets
@@ -246,6 +247,110 @@ def cycles_material(
 
 presets: Final[Presets]
 
+_Color: TypeAlias = ArrayLike | str
+_Scalar: TypeAlias = ArrayLike
+
+# Written by: cargo run -p translucid-scene --example keys
+# keys
+class _MaterialKeys(TypedDict, total=False):
+    preset: str | None
+    file: _Path | None
+    file_material: str | None
+    file_unit: _Unit | None
+    base_weight: float | None
+    base_color: _Color | dict[str, Any] | None
+    base_metalness: _Scalar | dict[str, Any] | None
+    specular_weight: _Scalar | dict[str, Any] | None
+    specular_color: _Color | dict[str, Any] | None
+    specular_roughness: _Scalar | dict[str, Any] | None
+    specular_ior: float | None
+    transmission_weight: _Scalar | dict[str, Any] | None
+    transmission_color: _Color | dict[str, Any] | None
+    transmission_depth: float | None
+    subsurface_weight: _Scalar | dict[str, Any] | None
+    subsurface_color: _Color | dict[str, Any] | None
+    subsurface_radius: _Scalar | dict[str, Any] | None
+    subsurface_radius_scale: _Color | dict[str, Any] | None
+    subsurface_scatter_anisotropy: float | None
+    subsurface_eta: float | None
+    subsurface_flights: float | None
+    coat_weight: _Scalar | dict[str, Any] | None
+    coat_color: _Color | dict[str, Any] | None
+    coat_roughness: _Scalar | dict[str, Any] | None
+    coat_ior: float | None
+    emission_luminance: float | None
+    emission_color: _Color | dict[str, Any] | None
+    geometry_opacity: _Scalar | dict[str, Any] | None
+    subsurface_model: Literal["normalized-diffusion", "normalized-diffusion-refined", "normalized-diffusion-oblique", "dipole", "better-dipole", "directional-dipole", "quantized-diffusion", "photon-beam-diffusion", "gaussians", "exact", "random-walk", "random-walk-diffuse", "random-walk-rough", "random-walk-skin", "none", "default"] | None
+    subsurface_table: _Path | None
+    subsurface_parameter: Literal["mfp", "dmfp"] | None
+    subsurface_configuration: Literal["searchlight", "diffuse"] | None
+    subsurface_texture_at: Literal["exit", "entry", "both"] | None
+    subsurface_normalization: Literal["none", "energy"] | None
+    camera_visibility: Literal["surface", "shadow", "none"] | None
+    geometry_normal: _Path | ArrayLike | dict[str, Any] | None
+
+class _LightKeys(TypedDict, total=False):
+    center: ArrayLike | None
+    target: ArrayLike | None
+    direction: ArrayLike | None
+    up: ArrayLike | None
+    size: ArrayLike | None
+    edge_x: ArrayLike | None
+    edge_y: ArrayLike | None
+    radiance: _Color | None
+    visible: bool | None
+    radius: float | None
+    unit_direction: ArrayLike | None
+    angular_radius: float | None
+    irradiance: _Color | None
+    position: ArrayLike | None
+    intensity: _Color | None
+    inner_angle: float | None
+    outer_angle: float | None
+    origin: ArrayLike | None
+    power: _Color | None
+
+class _EnvironmentKeys(TypedDict, total=False):
+    radiance: _Color | None
+    file: _Path | ArrayLike | None
+    rotation: float | None
+    matrix: ArrayLike | None
+    visible: bool | None
+
+class _CameraKeys(TypedDict, total=False):
+    position: ArrayLike | None
+    target: ArrayLike | None
+    up: ArrayLike | None
+    projection: Literal["perspective", "orthographic"] | None
+    fov: float | None
+    width: float | None
+    shift: ArrayLike | None
+    lens_radius: float | None
+    focus_distance: float | None
+
+class _FilmKeys(TypedDict, total=False):
+    size: ArrayLike | None
+    filter: Literal["box", "gaussian", "blackman-harris"] | None
+    filter_radius: float | None
+    exposure: float | None
+    tone_mapping: Literal["srgb", "neutral", "agx"] | None
+
+class _IntegratorKeys(TypedDict, total=False):
+    samples_per_pixel: int | None
+    max_depth: int | None
+    max_diffuse_depth: int | None
+    caustics: bool | None
+    subsurface_tail: float | None
+    subsurface_method: Literal["ray-traced", "point-based", "cycles-disk"] | None
+    subsurface_sharing: bool | None
+    point_tolerance: float | None
+    point_memory: int | None
+    seed: int | None
+
+_LightType: TypeAlias = Literal["rectangle", "ellipse", "sphere", "distant", "spot", "point", "beam"]
+# end of keys
+
 class SceneError(ValueError):
     message: str
     path: str | None
@@ -276,7 +381,7 @@ class Scene:
         size: Sequence[int] | None = None,
         subsurface: str | None = None,
     ) -> Scene: ...
-    def add_material(self, name: str, **keys: Any) -> None: ...
+    def add_material(self, name: str, **keys: Unpack[_MaterialKeys]) -> None: ...
     def add_mesh(
         self,
         name: str,
@@ -291,13 +396,13 @@ class Scene:
     def add_object(self, name: str | None = None, **keys: Any) -> None: ...
     def add_light(
         self,
-        type: Literal["rectangle", "ellipse", "sphere", "distant", "spot", "point", "beam"] | None = None,
-        **keys: Any,
+        type: _LightType | None = None,
+        **keys: Unpack[_LightKeys],
     ) -> None: ...
-    def set_environment(self, **keys: Any) -> None: ...
-    def set_camera(self, **keys: Any) -> None: ...
-    def set_film(self, **keys: Any) -> None: ...
-    def set_integrator(self, **keys: Any) -> None: ...
+    def set_environment(self, **keys: Unpack[_EnvironmentKeys]) -> None: ...
+    def set_camera(self, **keys: Unpack[_CameraKeys]) -> None: ...
+    def set_film(self, **keys: Unpack[_FilmKeys]) -> None: ...
+    def set_integrator(self, **keys: Unpack[_IntegratorKeys]) -> None: ...
     @property
     def unit(self) -> _Unit: ...
     @property
@@ -326,7 +431,7 @@ class Session:
     def cancel(self) -> None: ...
     def snapshot(self, layer: str = "radiance") -> NDArray[np.float32]: ...
     def picture(self, layers: Iterable[str] = ("radiance", "alpha")) -> Picture: ...
-    def edit_material(self, name: str, **keys: Any) -> None: ...
+    def edit_material(self, name: str, **keys: Unpack[_MaterialKeys]) -> None: ...
     def edit_mesh(
         self,
         name: str,
@@ -350,14 +455,14 @@ class Session:
     ) -> None: ...
     def edit_object(self, name: str, **keys: Any) -> None: ...
     def remove_object(self, name: str) -> None: ...
-    def add_material(self, name: str, **keys: Any) -> None: ...
+    def add_material(self, name: str, **keys: Unpack[_MaterialKeys]) -> None: ...
     def remove_material(self, name: str) -> None: ...
-    def set_film(self, **keys: Any) -> None: ...
+    def set_film(self, **keys: Unpack[_FilmKeys]) -> None: ...
     def set_region(self, region: Sequence[int] | None = None) -> None: ...
-    def set_camera(self, **keys: Any) -> None: ...
+    def set_camera(self, **keys: Unpack[_CameraKeys]) -> None: ...
     def set_lights(self, lights: Iterable[dict[str, Any]]) -> None: ...
-    def set_environment(self, **keys: Any) -> None: ...
-    def set_integrator(self, **keys: Any) -> None: ...
+    def set_environment(self, **keys: Unpack[_EnvironmentKeys]) -> None: ...
+    def set_integrator(self, **keys: Unpack[_IntegratorKeys]) -> None: ...
     @property
     def samples(self) -> int: ...
     @property

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
+use translucid_scene::description::Slot;
 use translucid_scene::{
     Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, NormalMap,
-    Object, PARAMETERS, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, Slot, SubsurfaceModel,
-    TextureRef, Unit, WalkSurface, Wrap,
+    Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef, Unit,
+    WalkSurface, Wrap,
 };
 
 /// A valid scene with every kind of light, of material and of texture, three triangulated tetrahedra and a film of 8 × 8
@@ -83,14 +84,14 @@ fn textured(mut material: Material) -> Material {
         image_from_uv: Affine2::from_scale(Vec2::splat(2.0)),
         wrap: [Wrap::Mirror, Wrap::Clamp],
     };
-    for parameter in PARAMETERS {
-        match parameter.slot(&mut material) {
-            Slot::Number(_) => (),
-            Slot::Scalar(input) => input.texture = Some((texture, Channel::Green)),
-            Slot::Color(input) => {
+    for field in Material::DESCRIPTION.fields {
+        match (field.slot)(&mut material) {
+            Slot::Scalar(input, _) => input.texture = Some((texture, Channel::Green)),
+            Slot::Color(input, _) => {
                 input.texture = Some(texture);
                 input.vertex_color = true;
             }
+            _ => {}
         }
     }
     material.geometry_normal = Some(NormalMap { texture, scale: 0.5 });
@@ -117,24 +118,8 @@ fn profile_table() -> ProfileTable {
     ProfileTable { path: "table.csv".into(), rows: vec![row(0.3), row(0.9)] }
 }
 
+/// One of every kind, and one that shines from a single direction.
 fn lights() -> Vec<Light> {
-    let down = Vec3::NEG_Y;
-    let (white, place) = (Vec3::ONE, Vec3::new(0.0, 3.0, 1.0));
-    vec![
-        Light::Rectangle { center: place, edge_x: Vec3::X, edge_y: Vec3::Z, radiance: white, visible: true },
-        Light::Ellipse { center: place, edge_x: Vec3::X, edge_y: Vec3::Y, radiance: white, visible: true },
-        Light::Sphere { center: place + Vec3::X, radius: 0.2, radiance: white, visible: true },
-        Light::Distant { direction: Vec3::Y, angular_radius: 0.5, irradiance: white },
-        Light::Distant { direction: Vec3::Z, angular_radius: 0.0, irradiance: white },
-        Light::Spot {
-            position: place,
-            direction: down,
-            radius: 0.1,
-            visible: true,
-            intensity: white,
-            inner_angle: 20.0,
-            outer_angle: 40.0,
-        },
-        Light::Beam { origin: place, direction: down, radius: 0.1, power: white },
-    ]
+    let sun = Light::Distant { direction: Vec3::Z, angular_radius: 0.0, irradiance: Vec3::ONE };
+    Light::KINDS.map(|kind| (kind.plain)()).into_iter().chain([sun]).collect()
 }

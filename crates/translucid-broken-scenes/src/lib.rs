@@ -4,11 +4,11 @@ mod everything;
 
 use std::sync::Arc;
 
-use glam::{Affine2, Affine3A, Vec3};
+use glam::{Affine3A, Vec3};
+use translucid_scene::description::{Part, Thing};
 use translucid_scene::{
-    self as scene, Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Mesh,
-    NormalMap, Object, PARAMETERS, Pixels, ProfileRow, ProfileTable, Projection, ScalarInput, Scene,
-    SubsurfaceModel, TextureRef,
+    Camera, Environment, Film, Image, Integrator, Material, Mesh, Object, Pixels, ProfileRow, ProfileTable,
+    Scene,
 };
 
 pub use everything::scene_of_everything;
@@ -144,19 +144,29 @@ fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
         environment,
         files: _,
     } = scene;
-    visit_camera(camera, v);
-    visit_settings(film, integrator, v);
+    visit_described("camera", camera, &Camera::DESCRIPTION, v);
+    visit_described("film", film, &Film::DESCRIPTION, v);
+    visit_described("integrator", integrator, &Integrator::DESCRIPTION, v);
     v("objects", Slot::List(objects));
     objects.iter_mut().for_each(|object| visit_object(object, v));
     v("materials", Slot::List(materials));
-    materials.iter_mut().for_each(|material| visit_material(material, v));
+    for material in materials {
+        let name = format!("material {}", material.name);
+        visit_described(&name, material, &Material::DESCRIPTION, v);
+    }
     v("images", Slot::List(images));
     images.iter_mut().for_each(|image| visit_image(Arc::make_mut(image), v));
     v("profile_tables", Slot::List(profile_tables));
     profile_tables.iter_mut().for_each(|table| visit_table(table, v));
     v("lights", Slot::List(lights));
-    lights.iter_mut().enumerate().for_each(|(i, light)| visit_light(i, light, v));
-    environment.iter_mut().for_each(|environment| visit_environment(environment, v));
+    for (i, light) in lights.iter_mut().enumerate() {
+        let name = format!("light {i} ({})", light.kind());
+        let kind = light.description();
+        visit_described(&name, light, kind, v);
+    }
+    if let Some(environment) = environment {
+        visit_described("environment", environment, &Environment::DESCRIPTION, v);
+    }
 }
 
 fn visit_numbers<'a>(place: &str, numbers: impl IntoIterator<Item = &'a mut f32>, v: &mut Visitor<'_>) {
@@ -169,46 +179,16 @@ fn visit_vector(place: &str, vector: &mut Vec3, v: &mut Visitor<'_>) {
     visit_numbers(place, vector.as_mut(), v);
 }
 
-fn visit_camera(camera: &mut Camera, v: &mut Visitor<'_>) {
-    let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = camera;
-    visit_vector("camera, position", position, v);
-    visit_vector("camera, target", target, v);
-    visit_vector("camera, up", up, v);
-    match projection {
-        Projection::Perspective { horizontal_fov } => {
-            v("camera, horizontal_fov", Slot::Number(horizontal_fov));
-        }
-        Projection::Orthographic { width } => v("camera, width", Slot::Number(width)),
-    }
-    visit_numbers("camera, shift", shift.as_mut(), v);
-    v("camera, lens_radius", Slot::Number(lens_radius));
-    v("camera, focus_distance", Slot::Number(focus_distance));
-}
-
-fn visit_settings(film: &mut Film, integrator: &mut Integrator, v: &mut Visitor<'_>) {
-    let Film { width, height, filter: _, filter_radius, exposure, tone_mapping: _ } = film;
-    v("film, width", Slot::Count(width));
-    v("film, height", Slot::Count(height));
-    v("film, filter_radius", Slot::Number(filter_radius));
-    v("film, exposure", Slot::Number(exposure));
-    let Integrator {
-        samples_per_pixel,
-        max_depth,
-        max_diffuse_depth,
-        caustics: _,
-        subsurface_tail,
-        subsurface_method: _,
-        subsurface_sharing: _,
-        point_tolerance,
-        point_memory,
-        seed: _,
-    } = integrator;
-    v("integrator, samples_per_pixel", Slot::Count(samples_per_pixel));
-    v("integrator, max_depth", Slot::Count(max_depth));
-    v("integrator, max_diffuse_depth", Slot::Count(max_diffuse_depth));
-    v("integrator, subsurface_tail", Slot::Number(subsurface_tail));
-    v("integrator, point_tolerance", Slot::Number(point_tolerance));
-    v("integrator, point_memory", Slot::Count(point_memory));
+/// Shows every number of a thing that has a description.
+fn visit_described<T: Clone>(name: &str, thing: &mut T, by: &Thing<T>, v: &mut Visitor<'_>) {
+    by.visit(thing, &mut |key, part| {
+        let slot = match part {
+            Part::Number(number, _) => Slot::Number(number),
+            Part::Count(count, _) => Slot::Count(count),
+            Part::Index(index, _) => Slot::Index(index),
+        };
+        v(&format!("{name}, {key}"), slot);
+    });
 }
 
 fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
@@ -243,39 +223,6 @@ fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
     }
 }
 
-fn visit_material(material: &mut Material, v: &mut Visitor<'_>) {
-    let name = material.name.clone();
-    for parameter in PARAMETERS {
-        let place = format!("material {name}, {}", parameter.name);
-        match parameter.slot(material) {
-            scene::Slot::Number(number) => v(&place, Slot::Number(number)),
-            scene::Slot::Scalar(ScalarInput { factor, texture }) => {
-                v(&place, Slot::Number(factor));
-                texture.iter_mut().for_each(|(texture, _)| visit_texture(&place, texture, v));
-            }
-            scene::Slot::Color(ColorInput { factor, texture, vertex_color: _ }) => {
-                visit_vector(&place, factor, v);
-                texture.iter_mut().for_each(|texture| visit_texture(&place, texture, v));
-            }
-        }
-    }
-    if let SubsurfaceModel::Tabulated(table) = &mut material.subsurface_model {
-        v(&format!("material {name}, subsurface_model.tabulated"), Slot::Index(table));
-    }
-    if let Some(NormalMap { texture, scale }) = &mut material.geometry_normal {
-        v(&format!("material {name}, geometry_normal.scale"), Slot::Number(scale));
-        visit_texture(&format!("material {name}, geometry_normal"), texture, v);
-    }
-}
-
-fn visit_texture(place: &str, texture: &mut TextureRef, v: &mut Visitor<'_>) {
-    let TextureRef { image, image_from_uv, wrap: _ } = texture;
-    v(&format!("{place}.texture.image"), Slot::Index(image));
-    let mut numbers = image_from_uv.to_cols_array();
-    visit_numbers(&format!("{place}.texture.image_from_uv"), &mut numbers, v);
-    *image_from_uv = Affine2::from_cols_array(&numbers);
-}
-
 fn visit_image(image: &mut Image, v: &mut Visitor<'_>) {
     let Image { name, path: _, width, height, color_space: _, pixels } = image;
     let place = |field: &str| format!("image {name}, {field}");
@@ -305,54 +252,10 @@ fn visit_table(table: &mut ProfileTable, v: &mut Visitor<'_>) {
     }
 }
 
-fn visit_light(index: usize, light: &mut Light, v: &mut Visitor<'_>) {
-    let kind = light.kind();
-    let place = |field: &str| format!("light {index} ({kind}), {field}");
-    let mut vector = |field: &str, value: &mut Vec3| visit_vector(&place(field), value, v);
-    match light {
-        Light::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
-        | Light::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
-            vector("center", center);
-            vector("edge_x", edge_x);
-            vector("edge_y", edge_y);
-            vector("radiance", radiance);
-        }
-        Light::Sphere { center, radius, radiance, visible: _ } => {
-            vector("center", center);
-            vector("radiance", radiance);
-            v(&place("radius"), Slot::Number(radius));
-        }
-        Light::Distant { direction, angular_radius, irradiance } => {
-            vector("direction", direction);
-            vector("irradiance", irradiance);
-            v(&place("angular_radius"), Slot::Number(angular_radius));
-        }
-        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
-            vector("position", position);
-            vector("direction", direction);
-            vector("intensity", intensity);
-            v(&place("radius"), Slot::Number(radius));
-            v(&place("inner_angle"), Slot::Number(inner_angle));
-            v(&place("outer_angle"), Slot::Number(outer_angle));
-        }
-        Light::Beam { origin, direction, radius, power } => {
-            vector("origin", origin);
-            vector("direction", direction);
-            vector("power", power);
-            v(&place("radius"), Slot::Number(radius));
-        }
-    }
-}
-
-fn visit_environment(environment: &mut Environment, v: &mut Visitor<'_>) {
-    let Environment { radiance, image, world_from_environment, visible: _ } = environment;
-    visit_vector("environment, radiance", radiance, v);
-    image.iter_mut().for_each(|image| v("environment, image", Slot::Index(image)));
-    visit_numbers("environment, world_from_environment", world_from_environment.as_mut(), v);
-}
-
 #[cfg(test)]
 mod tests {
+    use translucid_scene::Light;
+
     use super::*;
 
     #[test]

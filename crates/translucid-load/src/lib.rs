@@ -13,10 +13,8 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod bare_mesh;
-mod color;
 mod extent;
 mod file;
-mod file_request;
 mod gltf;
 mod image;
 mod load_scene;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::Mat3;
+use translucid_scene::description::hexadecimal_color;
 use translucid_scene::{Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit};
 
 use super::image::read_image;
@@ -11,7 +12,6 @@ use super::loading::Loading;
 use super::orientation::UpAxis;
 use super::watch::LoadWatch;
 use crate::Viewpoint;
-use crate::color::hexadecimal_color;
 use crate::viewpoint::turned_about_target;
 
 /// Wishes of the caller in place of the file's own values.

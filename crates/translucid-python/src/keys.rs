@@ -1,6 +1,5 @@
-//! Keyword arguments as keys and values of a scene file, arrays among them as its images.
+//! The door for Python: keyword arguments as values, arrays among them as images.
 
-use std::fmt::Write;
 use std::sync::Arc;
 
 use numpy::{PyArrayDyn, PyArrayMethods};
@@ -8,6 +7,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use translucid_load::Piece;
+use translucid_scene::description::{Content, Entry, Value};
 use translucid_scene::{ColorSpace, Image, Pixels};
 
 use crate::arrays::{Any, Numbers, Rule};
@@ -22,7 +22,7 @@ const PLACES: &str = "transforms";
 /// Lists and tables within each other that a value may have.
 const DEEPEST: usize = 8;
 
-/// Keys and values on their way to a [`Piece`].
+/// Keyword arguments on their way to a [`Piece`].
 pub(crate) struct Keys<'a> {
     piece: Piece,
     /// Number of images that the scene has been given so far: each has a name of its own.
@@ -32,12 +32,12 @@ pub(crate) struct Keys<'a> {
 impl<'a> Keys<'a> {
     /// A piece without keys, of this name in messages.
     pub(crate) fn new(title: &str, image_count: &'a mut usize) -> Self {
-        Self { piece: Piece::new(title, ""), image_count }
+        Self { piece: Piece::new(title, Vec::new()), image_count }
     }
 
     /// Adds a text.
     pub(crate) fn text(mut self, key: &str, value: &str) -> Self {
-        self.piece.text += &format!("{} = {}\n", quoted(key), quoted(value));
+        self.piece.entries.push(Entry::new(key, value));
         self
     }
 
@@ -45,13 +45,10 @@ impl<'a> Keys<'a> {
     pub(crate) fn arguments(mut self, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         for (key, value) in keys.into_iter().flatten() {
             let key: String = name_of(&self.piece.title, &key)?;
-            if value.is_none() {
-                continue;
+            if !value.is_none() {
+                let value = self.value(&key, &value, 0)?;
+                self.piece.entries.push(Entry::new(&key, value));
             }
-            let mut line = format!("{} = ", quoted(&key));
-            self.value(&key, &value, 0, &mut line)?;
-            self.piece.text += &line;
-            self.piece.text.push('\n');
         }
         Ok(self)
     }
@@ -60,90 +57,76 @@ impl<'a> Keys<'a> {
         self.piece
     }
 
-    /// Writes a value as TOML does.
-    fn value(&mut self, name: &str, value: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
+    fn value(&mut self, name: &str, value: &Any<'_>, depth: usize) -> PyResult<Value> {
         if depth > DEEPEST {
             return Err(self.wrong(name, "has too many lists and tables within each other"));
         }
         if let Ok(text) = value.cast::<PyString>() {
-            *out +=
-                &quoted(text.to_str().map_err(|_| self.wrong(name, "must be text of Unicode characters"))?);
+            let text = text.to_str().map_err(|_| self.wrong(name, "must be text of Unicode characters"))?;
+            Ok(text.into())
         } else if let Ok(flag) = value.cast::<PyBool>() {
-            *out += if flag.is_true() { "true" } else { "false" };
+            Ok(flag.is_true().into())
         } else if value.is_instance_of::<PyInt>() {
             // `str` refuses thousands of digits
             let digits = value.str().map_err(|_| self.wrong(name, "is an integer that is too large"))?;
-            *out += digits.to_str()?;
+            let digits = digits.to_str()?;
+            let number = digits.parse().map(Content::Integer);
+            let too_large = |_| self.wrong(name, &format!("is {digits:.20}…, which is too large"));
+            number.map(Value::from).map_err(too_large)
         } else if let Ok(number) = value.cast::<PyFloat>() {
-            // As Rust prints it, it comes back bit for bit; NaN is lower case in TOML
-            let number = format!("{:?}", number.value());
-            *out += if number == "NaN" { "nan" } else { &number };
+            Ok(number.value().into())
         } else if let Ok(dict) = value.cast::<PyDict>() {
-            self.table(name, dict, depth, out)?;
+            self.table(name, dict, depth)
         } else if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-            self.list(name, value, depth, out)?;
+            self.list(name, value, depth)
         } else if value.hasattr("__array__")? {
-            self.array(name, value, depth, out)?;
+            self.array(name, value, depth)
         } else if value.hasattr("__fspath__")? {
             let path: std::path::PathBuf = value.extract()?;
             let path =
                 path.to_str().ok_or_else(|| self.wrong(name, "must be a path of Unicode characters"))?;
-            *out += &quoted(path);
+            Ok(path.into())
         } else {
             let kind = value.get_type().name()?;
             let title = &self.piece.title;
-            return Err(PyTypeError::new_err(format!(
+            Err(PyTypeError::new_err(format!(
                 "{title}: {name} is of type {kind}, but must be a number, a text, a list, a table or an array"
-            )));
+            )))
         }
-        Ok(())
     }
 
-    fn list(&mut self, name: &str, list: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
+    fn list(&mut self, name: &str, list: &Any<'_>, depth: usize) -> PyResult<Value> {
         let length = list.len()?;
         if length > LONGEST_LIST && name != PLACES {
             let message =
                 format!("has {length} values, but may have {LONGEST_LIST}; an image must be an array");
             return Err(self.wrong(name, &message));
         }
-        out.push('[');
-        for (i, element) in list.try_iter()?.enumerate() {
-            self.value(&format!("{name}[{i}]"), &element?, depth + 1, out)?;
-            *out += ", ";
-        }
-        out.push(']');
-        Ok(())
+        let elements = list.try_iter()?.enumerate();
+        let values: PyResult<Vec<Value>> =
+            elements.map(|(i, element)| self.value(&format!("{name}[{i}]"), &element?, depth + 1)).collect();
+        Ok(values?.into())
     }
 
-    fn table(
-        &mut self,
-        name: &str,
-        dict: &Bound<'_, PyDict>,
-        depth: usize,
-        out: &mut String,
-    ) -> PyResult<()> {
+    fn table(&mut self, name: &str, dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Value> {
         let mut entries = Vec::new();
         for (key, value) in dict {
             let key = name_of(&self.piece.title, &key)?;
             if value.is_none() {
                 continue;
             }
-            let is_image = key == "image" && value.hasattr("__array__")?;
-            let mut entry = format!("{} = ", quoted(if is_image { "file" } else { &key }));
             let path = format!("{name}.{key}");
-            if is_image {
-                entry += &quoted(&self.image(&path, &value)?);
+            entries.push(if key == "image" && value.hasattr("__array__")? {
+                Entry::new("file", self.image(&path, &value)?)
             } else {
-                self.value(&path, &value, depth + 1, &mut entry)?;
-            }
-            entries.push(entry);
+                Entry::new(&key, self.value(&path, &value, depth + 1)?)
+            });
         }
-        *out += &format!("{{{}}}", entries.join(", "));
-        Ok(())
+        Ok(entries.into())
     }
 
     /// A scalar, a list of numbers, the sixteen of a matrix, or an image.
-    fn array(&mut self, name: &str, value: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
+    fn array(&mut self, name: &str, value: &Any<'_>, depth: usize) -> PyResult<Value> {
         let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
         let dimensions: usize = array.getattr("ndim")?.extract()?;
         match dimensions {
@@ -153,42 +136,29 @@ impl<'a> Keys<'a> {
                     let message = format!("has {size} values, but may have {LONGEST_LIST}");
                     return Err(self.wrong(name, &message));
                 }
-                self.value(name, &array.call_method0("tolist")?, depth + 1, out)
+                self.value(name, &array.call_method0("tolist")?, depth + 1)
             }
-            _ if name == PLACES => self.matrices(&array, out),
-            _ if name == "matrix" => self.value(name, &array.call_method0("ravel")?, depth + 1, out),
-            _ => {
-                let image = quoted(&self.image(name, &array)?);
-                *out += &if name == "file" { image } else { format!("{{file = {image}}}") };
-                Ok(())
-            }
+            _ if name == PLACES => self.matrices(&array),
+            _ if name == "matrix" => self.value(name, &array.call_method0("ravel")?, depth + 1),
+            _ if name == "file" => self.image(name, &array),
+            _ => Ok(vec![Entry::new("file", self.image(name, &array)?)].into()),
         }
     }
 
-    /// Writes an array of matrices as places.
-    fn matrices(&self, array: &Any<'_>, out: &mut String) -> PyResult<()> {
+    /// An array of matrices as places.
+    fn matrices(&self, array: &Any<'_>) -> PyResult<Value> {
         let shape: Vec<usize> = array.getattr("shape")?.extract()?;
         if shape.len() != 3 || shape[1..] != [4, 4] {
             let message = format!("has the shape {shape:?}, but an array of places must have (n, 4, 4)");
             return Err(self.wrong(PLACES, &message));
         }
-        let numbers = Numbers::extract(PLACES, array)?;
-        out.push('[');
-        for (i, number) in numbers.iter().enumerate() {
-            *out += if i % 16 == 0 { "{matrix = [" } else { ", " };
-            // As Rust prints it, it comes back bit for bit; NaN is lower case in TOML
-            let number = format!("{number:?}");
-            *out += if number == "NaN" { "nan" } else { &number };
-            if i % 16 == 15 {
-                *out += "]}, ";
-            }
-        }
-        out.push(']');
-        Ok(())
+        let numbers: Vec<f64> = Numbers::extract(PLACES, array)?.iter().collect();
+        let place = |matrix: &[f64]| Value::from(vec![Entry::new("matrix", Value::list(matrix))]);
+        Ok(numbers.chunks_exact(16).map(place).collect::<Vec<_>>().into())
     }
 
-    /// Takes an image along; returns the name by which the key `file` knows it.
-    fn image(&mut self, name: &str, array: &Any<'_>) -> PyResult<String> {
+    /// An image, in the place of the path of a file.
+    fn image(&mut self, name: &str, array: &Any<'_>) -> PyResult<Value> {
         let image_name = format!("array {} ({}, {name})", *self.image_count, self.piece.title);
         let wrong = |message: String| self.wrong(name, &message);
         let shape: Vec<usize> = array.getattr("shape")?.extract()?;
@@ -231,17 +201,9 @@ impl<'a> Keys<'a> {
         };
         *self.image_count += 1;
         let (width, height) = (width as u32, height as u32);
-        let name = image_name.clone();
         // The key that names it says which color space bytes have
-        self.piece.images.push(Arc::new(Image {
-            name,
-            path: None,
-            width,
-            height,
-            color_space: ColorSpace::Linear,
-            pixels,
-        }));
-        Ok(image_name)
+        let color_space = ColorSpace::Linear;
+        Ok(Arc::new(Image { name: image_name, path: None, width, height, color_space, pixels }).into())
     }
 
     fn wrong(&self, name: &str, message: &str) -> PyErr {
@@ -269,22 +231,6 @@ fn name_of(title: &str, key: &Any<'_>) -> PyResult<String> {
     key.extract().map_err(|_| PyTypeError::new_err(format!("{title}: a key is {key}, but must be text")))
 }
 
-/// A text as TOML writes it.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            _ if c.is_control() => {
-                let _ = write!(quoted, "\\u{:04X}", u32::from(c));
-            }
-            _ => quoted.push(c),
-        }
-    }
-    quoted.push('"');
-    quoted
-}
-
 /// Reads keyword arguments.
 pub(crate) fn piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
     Ok(Keys::new(title, &mut 0).arguments(keys)?.piece())
@@ -293,7 +239,7 @@ pub(crate) fn piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResul
 /// Reads keyword arguments that bring no images.
 pub(crate) fn plain_piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
     let piece = piece_of(title, keys)?;
-    if piece.images.is_empty() {
+    if !piece.has_images() {
         return Ok(piece);
     }
     Err(scene_error(translucid_scene::SceneError::new(format!("{title} takes no images"))))

@@ -1,9 +1,12 @@
-//! Cameras with a thin lens.
+//! Cameras with a thin lens, as data and by their keys.
 
 use glam::{Vec2, Vec3};
 
-use crate::SceneError;
-use crate::interval::{Interval, refusal};
+use crate::description::{Counts, Fallback, Key, Rule, Slot, Thing, field};
+use crate::interval::Interval;
+use crate::{Projection, SceneError};
+
+use Fallback::{Plain, Required, Words};
 
 /// A camera. Right-handed; the image's x axis points right, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,54 +28,6 @@ pub struct Camera {
     pub focus_distance: f32,
 }
 
-/// How lines of sight spread.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Projection {
-    /// They meet in the lens.
-    Perspective {
-        /// Full horizontal field of view of a picture without shift in degrees, in (0, 180).
-        horizontal_fov: f32,
-    },
-    /// They are parallel.
-    Orthographic {
-        /// Width of what the picture shows \[L\], > 0.
-        width: f32,
-    },
-}
-
-impl Projection {
-    /// Range of a field of view.
-    pub const FOV: Interval = Interval::open(0.0, 180.0);
-
-    /// Width of what the picture shows at a depth along the view \[L\].
-    pub fn width_at(self, depth: f64) -> f64 {
-        match self {
-            Self::Perspective { horizontal_fov } => {
-                2.0 * depth * libm::tan((0.5 * f64::from(horizontal_fov)).to_radians())
-            }
-            Self::Orthographic { width } => f64::from(width),
-        }
-    }
-
-    /// The projection that shows `factor` times the width.
-    pub fn widened(self, factor: f64) -> Self {
-        match self {
-            Self::Perspective { .. } => {
-                let tangent = 0.5 * factor * self.width_at(1.0);
-                Self::Perspective { horizontal_fov: (2.0 * libm::atan(tangent)).to_degrees() as f32 }
-            }
-            Self::Orthographic { width } => Self::Orthographic { width: (factor * f64::from(width)) as f32 },
-        }
-    }
-
-    fn check(self) -> Result<(), SceneError> {
-        match self {
-            Self::Perspective { horizontal_fov } => Self::FOV.check("horizontal_fov", horizontal_fov),
-            Self::Orthographic { width } => Interval::REACH.check("width", width),
-        }
-    }
-}
-
 /// A pinhole at z = 5 that looks at the origin, with y upward and a field of view of 40°.
 impl Default for Camera {
     fn default() -> Self {
@@ -88,13 +43,70 @@ impl Default for Camera {
     }
 }
 
+const PROJECTION: &[Key] = &[
+    Key {
+        name: "projection",
+        doc: "`\"perspective\"`, or `\"orthographic\"`: lines of sight are parallel, and nothing is seen that is behind the plane through `position`",
+        fallback: Words("`\"perspective\"`"),
+    },
+    Key {
+        name: "fov",
+        doc: "of a perspective: full horizontal angle of view of a picture without `shift`, in (0, 180)",
+        fallback: Words("40"),
+    },
+    Key {
+        name: "width",
+        doc: "of an orthographic projection: width of what the picture shows, a length > 0",
+        fallback: Words("must be given"),
+    },
+];
+
 impl Camera {
-    /// Range of the components of `shift`.
-    pub const SHIFT: Interval = Interval::closed(-100.0, 100.0);
-    /// Requirement on `target`, in words.
-    pub const TARGET: &str = "a point other than the camera's position";
-    /// Requirement on `up`, in words.
-    pub const UP: &str = "a direction that is not parallel to the viewing direction";
+    /// The key of a camera's name, in scene files alone.
+    pub const NAME_KEY: Key = Key { name: "name", doc: "text, for `--camera NAME`", fallback: Words("none") };
+
+    /// The camera by its keys.
+    pub const DESCRIPTION: Thing<Self> = Thing {
+        name: "camera",
+        doc: "where the picture is seen from",
+        plain: Self::default,
+        fields: &[
+            field!(Camera { position } => Slot::Point(position), "point: the middle of the lens", Required),
+            field!(Camera { target } => Slot::Point(target),
+                "point in the middle of a picture without `shift`, other than `position`", Required),
+            field!(Camera { up } => Slot::Vector(up), "direction of any length, not parallel to the view", Plain),
+            field!(Camera { projection } => Slot::Projection(projection); PROJECTION),
+            field!(Camera { shift } => Slot::Pair(shift, Interval::closed(-100.0, 100.0)),
+                "`[right, up]`: how far the picture's frame is moved on its plane, in widths of the picture, each {range}; `target` then is as far left of the picture's middle and below, and upright edges stay upright", Plain),
+            field!(Camera { lens_radius } => Slot::Length(lens_radius, Interval::LENGTH),
+                "length ≥ 0; 0 is a pinhole", Plain),
+            field!(Camera { focus_distance } => Slot::Length(focus_distance, Interval::REACH),
+                "length > 0 along the view", Words("the distance to `target`"))
+            .when_missing(|camera| {
+                let distance = camera.position.as_dvec3().distance(camera.target.as_dvec3());
+                camera.focus_distance = Interval::REACH.nearest(distance as f32);
+            }),
+        ],
+        rules: &[
+            Rule {
+                key: "target",
+                broken: |camera| {
+                    let must_be = "a point other than the camera's position";
+                    (camera.target == camera.position).then(|| must_be.to_owned())
+                },
+                help: "",
+            },
+            Rule {
+                key: "up",
+                broken: |camera| {
+                    let must_be = "a direction that is not parallel to the viewing direction";
+                    (!camera.has_usable_up()).then(|| must_be.to_owned())
+                },
+                help: "give camera.up, for example [0, 0, -1]",
+            },
+        ],
+    };
+
     /// Sine of the smallest angle between `up` and the viewing direction.
     const LEAST_SINE: f64 = 1e-4;
 
@@ -105,8 +117,8 @@ impl Camera {
         Self { projection, shift: self.shift * factor, ..*self }
     }
 
-    /// Tells whether `up` spans the image plane's vertical together with the viewing direction.
-    pub fn has_usable_up(&self) -> bool {
+    /// Whether `up` spans the image plane's vertical together with the viewing direction.
+    fn has_usable_up(&self) -> bool {
         let view = self.target.as_dvec3() - self.position.as_dvec3();
         let sine = self.up.as_dvec3().normalize_or_zero().cross(view.normalize_or_zero()).length();
         sine > Self::LEAST_SINE
@@ -122,26 +134,9 @@ impl Camera {
     ///
     /// let projection = Projection::Perspective { horizontal_fov: 180.0 };
     /// let camera = Camera { projection, ..Camera::default() };
-    /// assert_eq!(camera.validate().unwrap_err().message, "camera, horizontal_fov = 180: must be in (0, 180)");
+    /// assert_eq!(camera.validate().unwrap_err().message, "camera, fov = 180: must be in (0, 180)");
     /// ```
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within("camera"))
-    }
-
-    fn check(&self) -> Result<(), SceneError> {
-        Interval::PLACE.check_all("position", self.position.to_array())?;
-        Interval::PLACE.check_all("target", self.target.to_array())?;
-        Interval::DIRECTION.check_all("up", self.up.to_array())?;
-        self.projection.check()?;
-        Self::SHIFT.check_all("shift", self.shift.to_array())?;
-        Interval::LENGTH.check("lens_radius", self.lens_radius)?;
-        Interval::REACH.check("focus_distance", self.focus_distance)?;
-        if self.target == self.position {
-            return Err(refusal("target", self.target, Self::TARGET));
-        }
-        if !self.has_usable_up() {
-            return Err(refusal("up", self.up, Self::UP));
-        }
-        Ok(())
+        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("camera"))
     }
 }

@@ -15,6 +15,8 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod camera;
+pub mod description;
+mod environment;
 mod error;
 mod image;
 mod interval;
@@ -22,27 +24,30 @@ mod light;
 mod material;
 mod mesh;
 mod object;
+mod placement;
 mod profile_table;
+mod projection;
 mod scene;
 mod settings;
 mod texture;
 
-pub use camera::{Camera, Projection};
+pub use camera::Camera;
+pub use environment::Environment;
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels, SRGB_TABLE, linear_from_srgb};
 pub use interval::{Interval, WholeInterval};
-pub use light::{Environment, Light};
+pub use light::Light;
 pub use material::{
-    CameraVisibility, Configuration, Material, NormalMap, PARAMETERS, Parameter, ParameterValue, Slot,
-    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, WORD_PARAMETERS,
-    WalkSurface, WordParameter, WordValue,
+    CameraVisibility, Configuration, Material, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
+    SubsurfaceTextureAt, WalkSurface,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use object::Object;
 pub use profile_table::ProfileTable;
+pub use projection::Projection;
 pub use scene::Scene;
 pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod};
-pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};
+pub use texture::{Channel, ColorInput, NormalMap, ScalarInput, TextureRef, Wrap};
 pub use translucid_display::ToneMapping;
 pub use translucid_profile::ProfileRow;
 pub use translucid_profile::convention::Unit;

@@ -1,9 +1,14 @@
-//! Lights that are not emissive meshes.
+//! Lights that are not emissive meshes: each kind as data, and by its keys.
 
-use glam::{DMat3, Mat3, Vec3};
+use std::mem::discriminant;
+
+use glam::Vec3;
 
 use crate::SceneError;
-use crate::interval::{Interval, check_index, refusal};
+use crate::description::{Counts, Entry, Fallback, FileList, Key, Rule, Slot, Table, Thing, field};
+use crate::interval::Interval;
+
+use Fallback::{Number, Plain, Required, Words};
 
 /// A light with its placement. Colors are linear Rec. 709 and non-negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,55 +89,35 @@ pub enum Light {
     },
 }
 
-/// Light from infinity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Environment {
-    /// Radiance where there is no image; a factor on the image where there is one.
-    pub radiance: Vec3,
-    /// Latitude–longitude image (index into `Scene::images`); its middle column is seen along −z
-    /// of the environment's frame, its top row along +y.
-    pub image: Option<usize>,
-    /// World direction from environment direction (a rotation).
-    pub world_from_environment: Mat3,
-    /// Whether the camera sees it; if not the background is black with alpha 0.
-    pub visible: bool,
-}
-
-/// White light from everywhere, which the camera sees.
-impl Default for Environment {
-    fn default() -> Self {
-        Self { radiance: Vec3::ONE, image: None, world_from_environment: Mat3::IDENTITY, visible: true }
-    }
-}
-
-/// Largest cosine between two directions that count as perpendicular.
-const PERPENDICULAR: f64 = 1e-3;
-/// Largest difference between 1 and the square of a length that counts as 1.
-const UNIT: f64 = 0.02;
-
 impl Light {
-    /// Range of the angular radius of a distant light, in degrees.
-    pub const ANGULAR_RADIUS: Interval = Interval::below(0.0, 90.0);
-    /// Range of the radius of a spot \[L\].
-    pub const SPOT_RADIUS: Interval = Interval::closed(0.0, Interval::REACH.high);
-    /// Range of the outer angle of a spot, in degrees.
-    pub const OUTER_ANGLE: Interval = Interval::above(0.0, 180.0);
+    /// Every kind of light; the first of a variant is that by which it is written.
+    pub const KINDS: [&Thing<Self>; 7] = [&RECTANGLE, &ELLIPSE, &SPHERE, &DISTANT, &SPOT, &POINT, &BEAM];
 
-    /// Range of the inner angle of a spot, in degrees.
-    pub fn inner_angle_within(outer_angle: f32) -> Interval {
-        Interval::below(0.0, f64::from(outer_angle))
+    /// The light's kind.
+    pub fn description(&self) -> &'static Thing<Self> {
+        let is_own = |kind: &&&Thing<Self>| discriminant(&(kind.plain)()) == discriminant(self);
+        Self::KINDS.iter().find(is_own).expect("every variant has a kind")
     }
 
-    /// The light's kind as scene files write it.
+    /// The name of its kind, as scene files write it.
     pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Rectangle { .. } => "rectangle",
-            Self::Ellipse { .. } => "ellipse",
-            Self::Sphere { .. } => "sphere",
-            Self::Distant { .. } => "distant",
-            Self::Spot { .. } => "spot",
-            Self::Beam { .. } => "beam",
-        }
+        self.description().name
+    }
+
+    /// Reads a light by its `type` and the keys of that.
+    ///
+    /// # Errors
+    /// The type or a key is unknown or missing, or a value not allowed.
+    pub fn read(table: Table<'_>) -> Result<Self, SceneError> {
+        let kind = Self::KINDS[table.require("type")?.choice(&Self::KINDS.map(|kind| kind.name))?];
+        let table = table.allow(&[vec!["type"], kind.keys()].concat())?;
+        kind.read(&table, &mut FileList::default())
+    }
+
+    /// The keys and values that [`read`](Self::read) makes the light of.
+    pub fn write(&self) -> Vec<Entry> {
+        let kind = self.description();
+        [vec![Entry::new("type", kind.name)], kind.write(self)].concat()
     }
 
     /// Checks every field of the light that messages know by this number.
@@ -141,106 +126,203 @@ impl Light {
     /// A number is out of its range, a direction has another length than 1, or the edges of a rectangle are not
     /// perpendicular.
     pub fn validate(&self, index: usize) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within(format_args!("light {index} ({})", self.kind())))
-    }
-
-    /// Checks every field: ranges, unit vectors, and that the edges of a rectangle are perpendicular.
-    fn check(&self) -> Result<(), SceneError> {
-        let point = |field, value: Vec3| Interval::PLACE.check_all(field, value.to_array());
-        let color = |field, value: Vec3| Interval::LIGHT.check_all(field, value.to_array());
-        let radius = |value| Interval::REACH.check("radius", value);
-        match *self {
-            Self::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
-            | Self::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
-                point("center", center)?;
-                Self::check_edges(edge_x, edge_y)?;
-                color("radiance", radiance)
-            }
-            Self::Sphere { center, radius: r, radiance, visible: _ } => {
-                point("center", center)?;
-                radius(r)?;
-                color("radiance", radiance)
-            }
-            Self::Distant { direction, angular_radius, irradiance } => {
-                Self::check_unit("direction", direction)?;
-                Self::ANGULAR_RADIUS.check("angular_radius", angular_radius)?;
-                color("irradiance", irradiance)
-            }
-            Self::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
-                point("position", position)?;
-                Self::SPOT_RADIUS.check("radius", radius)?;
-                Self::check_unit("direction", direction)?;
-                Self::OUTER_ANGLE.check("outer_angle", outer_angle)?;
-                Self::inner_angle_within(outer_angle).check("inner_angle", inner_angle)?;
-                color("intensity", intensity)
-            }
-            Self::Beam { origin, direction, radius: r, power } => {
-                point("origin", origin)?;
-                Self::check_unit("direction", direction)?;
-                radius(r)?;
-                color("power", power)
-            }
-        }
-    }
-
-    /// Refuses a direction whose length is not 1.
-    ///
-    /// # Errors
-    /// It is not: the message begins with the field.
-    pub fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
-        if (direction.as_dvec3().length_squared() - 1.0).abs() <= UNIT {
-            return Ok(());
-        }
-        Err(refusal(field, direction, "a vector of length 1"))
-    }
-
-    /// Refuses edges of a rectangle that are zero or not perpendicular to each other.
-    ///
-    /// # Errors
-    /// They are, or a number is out of its range.
-    pub fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
-        for (field, edge) in [("edge_x", x), ("edge_y", y)] {
-            Interval::PLACE.check_all(field, edge.to_array())?;
-            if edge == Vec3::ZERO {
-                return Err(refusal(field, edge, "a vector that is not zero"));
-            }
-        }
-        let (x, y) = (x.as_dvec3(), y.as_dvec3());
-        // Components near the least number in single precision have no digits left for an angle.
-        let rounding = f64::from(f32::from_bits(4)) * (x.length() + y.length());
-        if x.dot(y).abs() <= PERPENDICULAR * x.length() * y.length() + rounding {
-            return Ok(());
-        }
-        Err(refusal("edge_y", y, "perpendicular to edge_x"))
+        let check = self.description().check(self, Counts::default());
+        check.map_err(|error| error.within(format_args!("light {index} ({})", self.kind())))
     }
 }
 
-impl Environment {
-    /// Whether a matrix turns without stretching or mirroring, as [`world_from_environment`](Self::world_from_environment)
-    /// must.
-    pub fn is_rotation(matrix: Mat3) -> bool {
-        let matrix = matrix.as_dmat3();
-        let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
-        let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
-        turns && matrix.determinant() > 0.0
-    }
+/// Keys of a light that shines in a direction from a point.
+const AIM: &[Key] = &[
+    Key { name: "target", doc: "point that it faces", fallback: Words("this or a direction") },
+    DIRECTION,
+    UNIT_DIRECTION,
+];
 
-    /// Checks every field in a scene of so many images.
-    ///
-    /// # Errors
-    /// A radiance is out of its range, there is no image of that index, or the matrix is not a rotation.
-    pub fn validate(&self, images: usize) -> Result<(), SceneError> {
-        self.check(images).map_err(|error| error.within("environment"))
-    }
+const DIRECTION: Key = Key {
+    name: "direction",
+    doc: "direction that it faces, of any length",
+    fallback: Words("this or `target`"),
+};
 
-    fn check(&self, images: usize) -> Result<(), SceneError> {
-        Interval::LIGHT.check_all("radiance", self.radiance.to_array())?;
-        if let Some(image) = self.image {
-            check_index("image", image, images, "images")?;
-        }
-        if Self::is_rotation(self.world_from_environment) {
-            return Ok(());
-        }
-        Err(refusal("world_from_environment", self.world_from_environment, "a rotation"))
-    }
-}
+const UNIT_DIRECTION: Key = Key {
+    name: "unit_direction",
+    doc: "in its place a direction of length 1, which is taken as it is, to the last bit",
+    fallback: Words("none"),
+};
+
+/// Keys of a light that shines in a direction from infinity.
+const TOWARD: &[Key] = &[
+    Key {
+        name: "direction",
+        doc: "direction of any length from the scene *toward* the light",
+        fallback: Words("must be given"),
+    },
+    UNIT_DIRECTION,
+];
+
+/// Keys of the edges of a rectangle about its center.
+const EDGES: &[Key] = &[
+    AIM[0],
+    DIRECTION,
+    Key { name: "up", doc: "direction along which its edges lie", fallback: Words("`[0, 1, 0]`") },
+    Key { name: "size", doc: "`[width, height]`, lengths > 0", fallback: Words("must be given") },
+    Key {
+        name: "edge_x",
+        doc: "with `edge_y` in place of the four above: its whole edges, perpendicular vectors whose cross product points where it shines",
+        fallback: Words("none"),
+    },
+    Key { name: "edge_y", doc: "see `edge_x`", fallback: Words("none") },
+];
+
+const VISIBLE: &str = "whether the camera sees it";
+const VISIBLE_BODY: &str = "whether the camera sees it, if it has a radius";
+
+/// Kinds of lights at a distance of 3 from the origin, which they face with an irradiance of 3.
+const PLACE: Vec3 = Vec3::new(0.0, 0.0, 3.0);
+const EDGE_X: Vec3 = Vec3::X;
+const EDGE_Y: Vec3 = Vec3::NEG_Y;
+
+const RECTANGLE: Thing<Light> = Thing {
+    name: "rectangle",
+    doc: "shines to one side, from a rectangle whose edges are aligned with `up`",
+    plain: || Light::Rectangle {
+        center: PLACE,
+        edge_x: EDGE_X,
+        edge_y: EDGE_Y,
+        radiance: Vec3::splat(27.0),
+        visible: true,
+    },
+    fields: &[
+        field!(Light::Rectangle { center } => Slot::Point(center), "point", Required),
+        field!(Light::Rectangle { center, edge_x, edge_y } => Slot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
+        field!(Light::Rectangle { radiance } => Slot::Radiance(radiance), "color", Required),
+        field!(Light::Rectangle { visible } => Slot::Flag(visible), VISIBLE, Plain),
+    ],
+    rules: &[],
+};
+
+const ELLIPSE: Thing<Light> = Thing {
+    name: "ellipse",
+    doc: "is the ellipse that touches the edges of such a rectangle in their middles, a disc if they are equal",
+    plain: || Light::Ellipse {
+        center: PLACE,
+        edge_x: EDGE_X,
+        edge_y: EDGE_Y,
+        radiance: Vec3::splat(34.4),
+        visible: true,
+    },
+    fields: &[
+        field!(Light::Ellipse { center } => Slot::Point(center), "point", Required),
+        field!(Light::Ellipse { center, edge_x, edge_y } => Slot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
+        field!(Light::Ellipse { radiance } => Slot::Radiance(radiance), "color", Required),
+        field!(Light::Ellipse { visible } => Slot::Flag(visible), VISIBLE, Plain),
+    ],
+    rules: &[],
+};
+
+const SPHERE: Thing<Light> = Thing {
+    name: "sphere",
+    doc: "shines outward",
+    plain: || Light::Sphere { center: PLACE, radius: 0.3, radiance: Vec3::splat(95.5), visible: true },
+    fields: &[
+        field!(Light::Sphere { center } => Slot::Point(center), "point", Required),
+        field!(Light::Sphere { radius } => Slot::Length(radius, Interval::REACH), "length > 0", Required),
+        field!(Light::Sphere { radiance } => Slot::Radiance(radiance), "color", Required),
+        field!(Light::Sphere { visible } => Slot::Flag(visible), VISIBLE, Plain),
+    ],
+    rules: &[],
+};
+
+const DISTANT: Thing<Light> = Thing {
+    name: "distant",
+    doc: "shines in parallel from infinity",
+    plain: || Light::Distant { direction: Vec3::Z, angular_radius: 0.27, irradiance: Vec3::splat(3.0) },
+    fields: &[
+        field!(Light::Distant { direction } => Slot::Direction(direction, None); TOWARD),
+        field!(Light::Distant { angular_radius } => Slot::Angle(angular_radius, Interval::below(0.0, 90.0)),
+            "half the angle that it subtends, {range}", Number(0.0)),
+        field!(Light::Distant { irradiance } => Slot::Radiance(irradiance),
+            "color: irradiance of a surface that faces it", Required),
+    ],
+    rules: &[],
+};
+
+/// Range of the radius of a light that may be a point.
+const MAYBE_POINT: Interval = Interval::closed(0.0, Interval::REACH.high);
+
+const SPOT: Thing<Light> = Thing {
+    name: "spot",
+    doc: "shines from a point, or from a sphere all of whose points do so, into a cone",
+    plain: || Light::Spot {
+        position: PLACE,
+        direction: Vec3::NEG_Z,
+        radius: 0.0,
+        intensity: Vec3::splat(27.0),
+        inner_angle: 20.0,
+        outer_angle: 30.0,
+        visible: true,
+    },
+    fields: &[
+        field!(Light::Spot { position } => Slot::Point(position), "point", Required),
+        field!(Light::Spot { direction, position } => Slot::Direction(direction, Some(*position)); AIM),
+        field!(Light::Spot { radius } => Slot::Length(radius, MAYBE_POINT),
+            "length ≥ 0 of the sphere; 0 is a point, with sharp shadows", Plain),
+        field!(Light::Spot { intensity } => Slot::Power(intensity),
+            "color: radiant intensity on the axis, as seen from afar", Required),
+        field!(Light::Spot { inner_angle } => Slot::Angle(inner_angle, Interval::below(0.0, 180.0)),
+            "half-angle of its even part, in [0, `outer_angle`); between the two the light falls by 3x² − 2x³ in the cosine of the angle",
+            Words("0.8 of `outer_angle`"))
+        .when_missing(|light| {
+            if let Light::Spot { inner_angle, outer_angle, .. } = light {
+                *inner_angle = 0.8 * *outer_angle;
+            }
+        }),
+        field!(Light::Spot { outer_angle } => Slot::Angle(outer_angle, Interval::above(0.0, 180.0)),
+            "half-angle of the cone, {range}", Number(45.0)),
+        field!(Light::Spot { visible } => Slot::Flag(visible), VISIBLE_BODY, Plain),
+    ],
+    rules: &[Rule {
+        key: "inner_angle",
+        broken: |light| match *light {
+            Light::Spot { inner_angle, outer_angle, .. } if inner_angle >= outer_angle => {
+                Some(format!("in {}", Interval::below(0.0, f64::from(outer_angle))))
+            }
+            _ => None,
+        },
+        help: "",
+    }],
+};
+
+const POINT: Thing<Light> = Thing {
+    name: "point",
+    doc: "shines in all directions: a spot without an edge",
+    plain: || Light::Spot {
+        position: PLACE,
+        direction: Vec3::NEG_Y,
+        radius: 0.0,
+        intensity: Vec3::splat(27.0),
+        inner_angle: 0.0,
+        outer_angle: 180.0,
+        visible: true,
+    },
+    fields: &[
+        field!(Light::Spot { position } => Slot::Point(position), "point", Required),
+        field!(Light::Spot { radius } => Slot::Length(radius, MAYBE_POINT), "length ≥ 0 of the sphere", Plain),
+        field!(Light::Spot { intensity } => Slot::Power(intensity), "color: radiant intensity", Required),
+        field!(Light::Spot { visible } => Slot::Flag(visible), VISIBLE_BODY, Plain),
+    ],
+    rules: &[],
+};
+
+const BEAM: Thing<Light> = Thing {
+    name: "beam",
+    doc: "is parallel light of a finite width, a laser",
+    plain: || Light::Beam { origin: PLACE, direction: Vec3::NEG_Z, radius: 0.1, power: Vec3::splat(0.0942) },
+    fields: &[
+        field!(Light::Beam { origin } => Slot::Point(origin), "point", Required),
+        field!(Light::Beam { direction, origin } => Slot::Direction(direction, Some(*origin)); AIM),
+        field!(Light::Beam { radius } => Slot::Length(radius, Interval::REACH), "length > 0", Required),
+        field!(Light::Beam { power } => Slot::Power(power), "color: its whole power", Required),
+    ],
+    rules: &[],
+};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DMat3, DVec3, Mat3, Vec3, Vec4};
 
+use crate::description::{Fallback, Key};
 use crate::interval::{Interval, refusal};
 use crate::mesh::{SurfaceMap, Triangle, stays_flat_enough};
 use crate::{Mesh, SceneError};
@@ -33,7 +34,55 @@ pub struct Object {
     pub is_movable: bool,
 }
 
+/// A key with its default in words.
+const fn key(name: &'static str, doc: &'static str, default: &'static str) -> Key {
+    Key { name, doc, fallback: Fallback::Words(default) }
+}
+
 impl Object {
+    /// The keys of its place.
+    pub const PLACE_KEYS: &[Key] = &[
+        key("translate", "three lengths by which it is moved, scaled and turned", "`[0, 0, 0]`"),
+        key("rotate", "three angles about the fixed axes x, then y, then z, after the scale", "`[0, 0, 0]`"),
+        key("scale", "number or three, not zero", "1"),
+        key(
+            "matrix",
+            "sixteen numbers, row by row, the last row 0, 0, 0, 1; in place of the three above",
+            "none",
+        ),
+    ];
+
+    /// Every key in a scene file; a shape adds its own parameters.
+    pub const KEYS: &[Key] = &[
+        key(
+            "name",
+            "text, unique among the objects; the command's `--mesh NAME=PATH` refers to it",
+            "the file's or shape's name",
+        ),
+        key("file", "path of a .glb, .gltf, .obj, .ply or .stl file", "this or `shape`"),
+        key("shape", "name of a built-in shape", "this or `file`"),
+        key("material", "name of a material of the scene", "the file's own, else the default of every key"),
+        key(
+            "unit",
+            "unit of the file's coordinates: `\"mm\"`, `\"cm\"` or `\"m\"`",
+            "`\"m\"` for glTF, else the scene's",
+        ),
+        Self::PLACE_KEYS[0],
+        Self::PLACE_KEYS[1],
+        Self::PLACE_KEYS[2],
+        Self::PLACE_KEYS[3],
+        key(
+            "transforms",
+            "tables with the four keys above: the object, placed by its own, stands once at each of them",
+            "one place",
+        ),
+        key(
+            "subsurface_group",
+            "text: light may enter one object of the group and leave another",
+            "by `subsurface_grouping`",
+        ),
+    ];
+
     /// Whether the mesh is elsewhere than in its own space.
     #[inline]
     pub fn is_placed(&self) -> bool {

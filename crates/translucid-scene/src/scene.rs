@@ -266,9 +266,7 @@ impl Scene {
 
     /// Every reference to an image.
     pub fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
-        self.materials
-            .iter_mut()
-            .for_each(|material| material.for_each_texture(|texture| visit(&mut texture.image)));
+        self.materials.iter_mut().for_each(|material| material.for_each_image(&mut visit));
         self.environment.iter_mut().filter_map(|environment| environment.image.as_mut()).for_each(visit);
     }
 }

@@ -1,9 +1,12 @@
-//! Settings of the film and of the light transport.
+//! Settings of the film and of the light transport, as data and by their keys.
 
 use translucid_display::ToneMapping;
 
 use crate::SceneError;
+use crate::description::{Counts, Fallback, Key, Slot, Thing, Word, field};
 use crate::interval::{Interval, WholeInterval};
+
+use Fallback::{Plain, Words};
 
 /// Reconstruction filter of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,29 +49,51 @@ impl Default for Film {
     }
 }
 
+impl Word for FilterKind {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("box", Self::Box), ("gaussian", Self::Gaussian), ("blackman-harris", Self::BlackmanHarris)];
+}
+
+impl Word for ToneMapping {
+    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
+}
+
+const SIZE: &[Key] =
+    &[Key { name: "size", doc: "`[width, height]` in pixels, each {range}", fallback: Plain }];
+
 impl Film {
     /// Most pixels along an edge; the fewest is one.
     pub const LONGEST_EDGE: u32 = 16_384;
     /// Range of `width` and `height`.
     pub const EDGE: WholeInterval = WholeInterval::new(1, Self::LONGEST_EDGE as u64);
-    /// Range of `filter_radius`.
-    pub const FILTER_RADIUS: Interval = Interval::above(0.0, 8.0);
-    /// Range of `exposure`.
-    pub const EXPOSURE: Interval = Interval::closed(-32.0, 32.0);
+
+    /// The film by its keys.
+    pub const DESCRIPTION: Thing<Self> = Thing {
+        name: "film",
+        doc: "size and look of the picture",
+        plain: Self::default,
+        fields: &[
+            field!(Film { width, height } => Slot::Size([width, height], Self::EDGE); SIZE),
+            field!(Film { filter } => Slot::Word(filter), "{words}", Plain).when_given(|film| {
+                if film.filter == FilterKind::Box {
+                    film.filter_radius = 0.5; // One pixel; that of the bells is their usual extent.
+                }
+            }),
+            field!(Film { filter_radius } => Slot::Number(filter_radius, Interval::above(0.0, 8.0)),
+                "half the filter's extent in pixels, {range}", Words("0.5 for the box, else 1.5")),
+            field!(Film { exposure } => Slot::Number(exposure, Interval::closed(-32.0, 32.0)),
+                "stops, {range}; for PNG only", Plain),
+            field!(Film { tone_mapping } => Slot::Word(tone_mapping), "{words}; for PNG only", Plain),
+        ],
+        rules: &[],
+    };
 
     /// Checks every field.
     ///
     /// # Errors
     /// A number is out of its range.
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within("film"))
-    }
-
-    fn check(&self) -> Result<(), SceneError> {
-        Self::EDGE.check("width", self.width)?;
-        Self::EDGE.check("height", self.height)?;
-        Self::FILTER_RADIUS.check("filter_radius", self.filter_radius)?;
-        Self::EXPOSURE.check("exposure", self.exposure)
+        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("film"))
     }
 }
 
@@ -84,14 +109,16 @@ pub enum SubsurfaceMethod {
     CyclesDisk,
 }
 
-impl SubsurfaceMethod {
-    /// Every method by its name, in the order of the variants.
-    pub const WORDS: [(&str, Self); 3] = [
+impl Word for SubsurfaceMethod {
+    /// In the order of the variants.
+    const WORDS: &'static [(&'static str, Self)] = &[
         ("ray-traced", Self::RayTraced),
         ("point-based", Self::PointBased),
         ("cycles-disk", Self::CyclesDisk),
     ];
+}
 
+impl SubsurfaceMethod {
     /// The method's name as scene files and the command line write it.
     pub const fn name(self) -> &'static str {
         Self::WORDS[self as usize].0
@@ -151,33 +178,40 @@ impl Default for Integrator {
 }
 
 impl Integrator {
-    /// Range of `samples_per_pixel`.
-    pub const SAMPLES: WholeInterval = WholeInterval::new(1, 1 << 24);
-    /// Range of `max_depth`.
-    pub const DEPTH: WholeInterval = WholeInterval::new(1, 1024);
-    /// Range of `max_diffuse_depth`.
-    pub const DIFFUSE_DEPTH: WholeInterval = WholeInterval::new(0, 1024);
-    /// Range of `subsurface_tail`.
-    pub const TAIL: Interval = Interval::above(0.0, 0.1);
-    /// Range of `point_tolerance`.
-    pub const TOLERANCE: Interval = Interval::closed(0.001, 1.0);
-    /// Range of `point_memory`.
-    pub const MEMORY: WholeInterval = WholeInterval::new(1, 1 << 20);
+    /// The settings of light transport by their keys.
+    pub const DESCRIPTION: Thing<Self> = Thing {
+        name: "integrator",
+        doc: "how many paths are traced, and how far",
+        plain: Self::default,
+        fields: &[
+            field!(Integrator { samples_per_pixel } => Slot::Count(samples_per_pixel, WholeInterval::new(1, 1 << 24)),
+                "{range}", Plain),
+            field!(Integrator { max_depth } => Slot::Count(max_depth, WholeInterval::new(1, 1024)),
+                "most scattering events on a path, {range}; one under the surface counts as one", Plain),
+            field!(Integrator { max_diffuse_depth } => Slot::Count(max_diffuse_depth, WholeInterval::new(0, 1024)),
+                "most diffuse or subsurface events among them, {range}; fewer make folds and bright things darker and save next to no time, as few paths get there", Plain),
+            field!(Integrator { caustics } => Slot::Flag(caustics),
+                "whether a glossy event after a diffuse one may meet light", Plain),
+            field!(Integrator { subsurface_tail } => Slot::Number(subsurface_tail, Interval::above(0.0, 0.1)),
+                "share of a profile beyond the longest probe, {range}; what is left is renormalized. Of light from beyond a distance this share over the profile's share beyond it is missing (a tenth where 1 % of the profile lies beyond, all of it beyond the longest probe): lower it where light travels far through something dark", Plain),
+            field!(Integrator { subsurface_method } => Slot::Word(subsurface_method),
+                "`\"ray-traced\"`: every path looks for an entry point; `\"point-based\"`: the light that enters is computed at points beforehand and summed, see [Point-based](point-based.md); `\"cycles-disk\"`: ray-traced with the weights of Blender Cycles' Christensen-Burley, [for its look](blender.md#subsurface-scattering)", Plain),
+            field!(Integrator { subsurface_sharing } => Slot::Flag(subsurface_sharing),
+                "whether light that has entered below one pixel serves the pixels around it, when rays are traced: less noise in the same time, and what is left varies less from pixel to pixel, where light travels a pixel and a half or more below the surface; random walks share where scattering is isotropic and nothing is textured; see [How fast, and why](../speed/how-fast.md#light-shared-between-pixels)", Plain),
+            field!(Integrator { point_tolerance } => Slot::Number(point_tolerance, Interval::closed(0.001, 1.0)),
+                "relative error that the point-based method may make, {range}", Plain),
+            field!(Integrator { point_memory } => Slot::Count(point_memory, WholeInterval::new(1, 1 << 20)),
+                "most memory for its points, MiB, {range}", Plain),
+            field!(Integrator { seed } => Slot::Seed(seed), "whole number in [0, 2⁶⁴)", Plain),
+        ],
+        rules: &[],
+    };
 
     /// Checks every field.
     ///
     /// # Errors
     /// A number is out of its range.
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within("integrator"))
-    }
-
-    fn check(&self) -> Result<(), SceneError> {
-        Self::SAMPLES.check("samples_per_pixel", self.samples_per_pixel)?;
-        Self::DEPTH.check("max_depth", self.max_depth)?;
-        Self::DIFFUSE_DEPTH.check("max_diffuse_depth", self.max_diffuse_depth)?;
-        Self::TAIL.check("subsurface_tail", self.subsurface_tail)?;
-        Self::TOLERANCE.check("point_tolerance", self.point_tolerance)?;
-        Self::MEMORY.check("point_memory", self.point_memory)
+        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("integrator"))
     }
 }

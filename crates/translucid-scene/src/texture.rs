@@ -2,8 +2,7 @@
 
 use glam::{Affine2, Vec2, Vec3};
 
-use crate::SceneError;
-use crate::interval::{Interval, check_index};
+use crate::interval::Interval;
 
 /// Treatment of texture coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -55,13 +54,6 @@ impl TextureRef {
     pub fn coordinates(&self, uv: Vec2) -> Vec2 {
         self.image_from_uv.transform_point2(uv)
     }
-
-    /// Checks the texture of a parameter in a scene of so many images.
-    pub(crate) fn check(&self, parameter: &str, images: usize) -> Result<(), SceneError> {
-        check_index(&format!("{parameter}.texture.image"), self.image, images, "images")?;
-        Self::MAPPING
-            .check_all(&format!("{parameter}.texture.image_from_uv"), self.image_from_uv.to_cols_array())
-    }
 }
 
 /// A color parameter: factor × image × vertex color.
@@ -107,4 +99,18 @@ impl ScalarInput {
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None }
     }
+}
+
+/// A tangent-space normal map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// The image, data in [0, 1] meaning [−1, 1].
+    pub texture: TextureRef,
+    /// Factor on the x and y components, in [−100, 100].
+    pub scale: f32,
+}
+
+impl NormalMap {
+    /// Range of `scale`.
+    pub const SCALE: Interval = Interval::closed(-100.0, 100.0);
 }

@@ -13,10 +13,13 @@ export function axes(camera) {
     return { right, up: cross(right, forward), forward };
 }
 
+/** A perspective is not named: it is the default. */
+export const isOrthographic = ({ projection }) => projection === "orthographic";
+
 /** Length of a pixel's edge at a depth along the view, for a picture `width` pixels wide. */
-export function lengthPerPixel({ projection }, width, depth) {
-    if (projection.kind === "orthographic") return projection.width / width;
-    return (2 * depth * Math.tan((projection.fov * Math.PI) / 360)) / width;
+export function lengthPerPixel(camera, width, depth) {
+    if (isOrthographic(camera)) return camera.width / width;
+    return (2 * depth * Math.tan((camera.fov * Math.PI) / 360)) / width;
 }
 
 /** Depth of a point along the view; negative behind the camera. */
@@ -44,10 +47,7 @@ export function pan(camera, across, upward) {
 
 /** The camera at `factor` times its distance from the target, or with a view that wide, at least `nearest`. */
 export function dolly(camera, factor, nearest) {
-    const { projection } = camera;
-    if (projection.kind === "orthographic") {
-        return { ...camera, projection: { ...projection, width: Math.max(nearest, factor * projection.width) } };
-    }
+    if (isOrthographic(camera)) return { ...camera, width: Math.max(nearest, factor * camera.width) };
     const before = distance(camera.position, camera.target);
     const after = Math.max(nearest, before * factor);
     const position = add(camera.target, scale(subtract(camera.position, camera.target), after / before));

@@ -3,22 +3,16 @@
 import { split } from "./color.js";
 import { byId, icon, make, setText } from "./dom.js";
 import { nextGesture } from "./gesture.js";
-import { face, moveTo, newLight, PLACE, polar, turnTo } from "./placement.js";
+import { face, moveTo, newLight, polar, turnTo } from "./placement.js";
 import { CheckRow, ColorRow, NumberRow, NumbersRow } from "./row.js";
 import { linear, logarithmic, logarithmicFromZero } from "./scale.js";
 import { length, normalize, scale } from "./vector.js";
 
-const KINDS = {
-    rectangle: { name: "Rectangle", strength: "radiance" },
-    ellipse: { name: "Ellipse", strength: "radiance" },
-    sphere: { name: "Sphere", strength: "radiance" },
-    distant: { name: "Sun", strength: "irradiance" },
-    spot: { name: "Spot", strength: "intensity" },
-    beam: { name: "Beam", strength: "power" },
-};
+/** A name of a file as a label: "angular_radius" is "Angular radius". */
+const label = (key) => key[0].toUpperCase() + key.slice(1).replaceAll("_", " ");
 
-/** What can be added. */
-const NEW = { rectangle: "Rectangle", ellipse: "Ellipse", sphere: "Sphere", distant: "Sun", spot: "Spot", point: "Point", beam: "Beam" };
+/** The name of a type of lights. */
+const title = (name) => (name === "distant" ? "Sun" : label(name));
 
 export class LightsPanel {
     #session;
@@ -31,17 +25,28 @@ export class LightsPanel {
         this.#session = session;
         this.#listen();
         session.on("state", () => {
+            this.#offer();
             this.#build();
             this.#show();
         });
     }
 
+    /** Lists the types of lights that can be added. */
+    #offer() {
+        const choice = byId("light-add");
+        if (choice.options.length > 1) return;
+        choice.append(...this.#session.hello.lights.map(({ name }) => make("option", { value: name }, title(name))));
+    }
+
+    #kind(name) {
+        return this.#session.hello.lights.find((kind) => kind.name === name);
+    }
+
     #listen() {
         const choice = byId("light-add");
-        choice.append(...Object.entries(NEW).map(([value, name]) => make("option", { value }, name)));
         choice.addEventListener("change", async () => {
             const { look, hello, state } = this.#session;
-            const light = newLight(choice.value, hello.bounds, state.camera);
+            const light = newLight(this.#kind(choice.value), hello.bounds, state.camera);
             choice.value = "";
             this.#open = [...look.lights.map((_, index) => this.#isOpen(index)), true];
             if (!(await this.#session.addLight(light))) this.#open = null;
@@ -59,19 +64,20 @@ export class LightsPanel {
     }
 
     #build() {
-        const kinds = this.#session.look.lights.map(({ kind }) => kind);
+        const kinds = this.#session.look.lights.map(({ type }) => type);
         if (kinds.join() === this.#kinds) return;
         this.#kinds = kinds.join();
         this.#shows = [];
         const none = make("p", { className: "description" }, "The scene has no lights of its own.");
-        const sections = kinds.map((kind, index) => this.#section(kind, index, this.#open?.[index] ?? (index === 0 || kinds.length <= 2)));
+        const sections = kinds.map((name, index) => this.#section(this.#kind(name), index, this.#open?.[index] ?? (index === 0 || kinds.length <= 2)));
         this.#open = null;
         byId("light-rows").replaceChildren(...(sections.length > 0 ? sections : [none]));
     }
 
     #section(kind, index, open) {
         const { bounds, unit } = this.#session.hello;
-        const { name, strength } = KINDS[kind];
+        const { name, strength, place, fields } = kind;
+        const has = (of) => fields.some((field) => field.kind === of);
         const id = `light-${index}`;
         const body = make("div", { className: "rows" });
         const light = () => this.#session.look.lights[index];
@@ -93,26 +99,24 @@ export class LightsPanel {
         row(ColorRow, "color", "Color", (l) => l[strength], (l, value) => ({ ...l, [strength]: value }),
             { hasStrength: true, hint: strength, scale: { ...logarithmic(1e-3, 1e4), least: 0 } });
 
-        const turn = (key, label, most) => row(NumberRow, key, label, (l) => polar(l, bounds.center)[key],
+        const turn = (key, label, most) => row(NumberRow, key, label, (l) => polar(l, kind, bounds.center)[key],
             (l, value) => {
-                const angles = { ...polar(l, bounds.center), [key]: value };
-                return turnTo(l, bounds.center, angles.azimuth, angles.elevation);
+                const angles = { ...polar(l, kind, bounds.center), [key]: value };
+                return turnTo(l, kind, bounds.center, angles.azimuth, angles.elevation);
             },
             { scale: linear(-most, most), limits: { least: -most, most }, unit: "\u00b0", hint: "Around the middle of the scene" });
         turn("azimuth", "Azimuth", 180);
         turn("elevation", "Elevation", 90);
-        const place = PLACE[kind];
         const span = logarithmic(bounds.radius * 0.05, bounds.radius * 50);
         if (place) {
-            row(NumberRow, "distance", "Distance", (l) => polar(l, bounds.center).distance,
-                (l, value) => moveTo(l, bounds.center, value), { scale: span, limits: { least: 0 }, unit, hint: "From the middle of the scene" });
+            row(NumberRow, "distance", "Distance", (l) => polar(l, kind, bounds.center).distance,
+                (l, value) => moveTo(l, kind, bounds.center, value), { scale: span, limits: { least: 0 }, unit, hint: "From the middle of the scene" });
             const step = (value, size) => value + size * bounds.radius * 0.02;
             row(NumbersRow, "place", "Place", (l) => l[place], (l, value) => ({ ...l, [place]: value }),
                 { letters: ["X", "Y", "Z"], parts: ["x", "y", "z"], unit, scale: { step }, hint: place });
         }
         const size = { ...logarithmic(bounds.radius * 1e-3, bounds.radius * 10), least: 0 };
-        const isFlat = kind === "rectangle" || kind === "ellipse";
-        if (isFlat) {
+        if (has("edges")) {
             row(NumbersRow, "size", "Size", (l) => [length(l.edge_x), length(l.edge_y)],
                 (l, [width, height]) => ({
                     ...l,
@@ -121,17 +125,17 @@ export class LightsPanel {
                 }),
                 { letters: ["W", "H"], parts: ["width", "height"], unit, scale: size });
         }
-        const plain = (key, label, options) =>
-            row(NumberRow, key, label, (l) => l[key], (l, value) => ({ ...l, [key]: value }), options);
-        if (kind === "sphere" || kind === "beam") plain("radius", "Radius", { scale: size, unit, limits: { least: 0 } });
-        if (kind === "distant") plain("angular_radius", "Angular radius", { scale: logarithmicFromZero(0.01, 89), unit: "\u00b0", limits: { least: 0 } });
-        if (kind === "spot") {
-            plain("inner_angle", "Inner angle", { scale: linear(0, 90), unit: "\u00b0" });
-            plain("outer_angle", "Outer angle", { scale: linear(0, 180), unit: "\u00b0", hint: "180\u00b0: light to all sides" });
-        }
-        if (kind === "spot") plain("radius", "Radius", { scale: { ...logarithmicFromZero(bounds.radius * 1e-3, bounds.radius * 10) }, unit, limits: { least: 0 } });
-        if (isFlat || kind === "sphere" || kind === "spot") {
-            row(CheckRow, "visible", "Visible", (l) => l.visible, (l, visible) => ({ ...l, visible }), { hint: "Whether the camera sees it" });
+        const plain = (Kind, { key, hint }, options) =>
+            row(Kind, key, label(key), (l) => l[key], (l, value) => ({ ...l, [key]: value }), { hint, ...options });
+        const scales = {
+            length: ({ min }) => ({ scale: min > 0 ? size : logarithmicFromZero(bounds.radius * 1e-3, bounds.radius * 10), unit, limits: { least: 0 } }),
+            // The disc of a sun is small
+            angle: ({ min, max }) => ({ scale: max > 90 ? linear(min, max) : logarithmicFromZero(0.01, max), unit: "\u00b0", limits: { least: min } }),
+            number: ({ min, max }) => ({ scale: linear(min, max), limits: { least: min, most: max } }),
+        };
+        for (const field of fields) {
+            if (field.kind in scales) plain(NumberRow, field, scales[field.kind](field));
+            if (field.kind === "flag") plain(CheckRow, field);
         }
         const buttons = make("div", { className: "buttons" });
         const button = (key, text, act) => {
@@ -139,9 +143,9 @@ export class LightsPanel {
             made.addEventListener("click", act);
             buttons.append(made);
         };
-        if (isFlat || kind === "spot" || kind === "beam") {
+        if (place && (has("edges") || has("direction"))) {
             button("face", "Face the middle of the scene", () => {
-                this.#session.setLight(index, face(light(), bounds.center), { gesture: nextGesture() });
+                this.#session.setLight(index, face(light(), kind, bounds.center), { gesture: nextGesture() });
                 this.#session.settle();
             });
         }
@@ -153,9 +157,9 @@ export class LightsPanel {
             chip.style.backgroundColor = `color(srgb-linear ${hue.join(" ")})`;
             chip.classList.toggle("off", value === 0);
         });
-        const title = make("span");
-        this.#shows.push(() => setText(title, `${light().outer_angle === 180 ? NEW.point : name} ${index + 1}`));
-        const summary = make("summary", {}, title, chip);
+        const heading = make("span");
+        this.#shows.push(() => setText(heading, `${light().outer_angle === 180 ? "Point" : title(name)} ${index + 1}`));
+        const summary = make("summary", {}, heading, chip);
         return make("details", { open, id: `section-${id}` }, summary, body);
     }
 

@@ -1,5 +1,6 @@
 // The panel of the rendering: samples, method, film, camera.
 
+import { isOrthographic } from "./camera.js";
 import { byId, make } from "./dom.js";
 import { nextGesture } from "./gesture.js";
 import { CheckRow, ChoiceRow, NumberRow, NumbersRow } from "./row.js";
@@ -112,13 +113,10 @@ export class RenderPanel {
         const step = (value, size) => value + size * bounds.radius * 0.02;
         const place = (key, name) => row(NumbersRow, key, name, (c) => c[key], (c, value) => ({ ...c, [key]: value }),
             { letters: ["X", "Y", "Z"], parts: ["x", "y", "z"], unit, scale: { step }, hint: key });
-        const ofProjection = (key, name, options) =>
-            row(NumberRow, key, name, (c) => c.projection[key], (c, value) => ({ ...c, projection: { ...c.projection, [key]: value } }), options);
-        const isOrthographic = session.state.camera.projection.kind === "orthographic";
         return [
-            isOrthographic
-                ? ofProjection("width", "Width", { scale: logarithmic(bounds.radius * 1e-2, bounds.radius * 100), unit, limits: { least: 0 }, hint: "width of the view" })
-                : ofProjection("fov", "Field of view", { scale: linear(5, 120), unit: "\u00b0", hint: "fov: the full horizontal angle" }),
+            isOrthographic(session.state.camera)
+                ? plain("width", "Width", { scale: logarithmic(bounds.radius * 1e-2, bounds.radius * 100), unit, limits: { least: 0 }, hint: "width of the view" })
+                : plain("fov", "Field of view", { scale: linear(5, 120), unit: "\u00b0", hint: "fov: the full horizontal angle" }),
             plain("lens_radius", "Lens radius", { scale: logarithmicFromZero(bounds.radius * 1e-4, bounds.radius * 0.5), unit, limits: { least: 0 } }),
             plain("focus_distance", "Focus", { scale: logarithmic(bounds.radius * 1e-2, bounds.radius * 100), unit, limits: { least: 0 }, hint: "focus_distance" }),
             row(NumberRow, "distance", "Distance", (c) => distance(c.position, c.target),

@@ -1,29 +1,28 @@
 //! A scene's parts as JSON, for pages.
 
-use serde_json::value::Serializer;
 use serde_json::{Map, Value, json};
 use translucid_profile::convention::{conversion_system_names, presets};
 use translucid_render::FilmLayer;
+use translucid_scene::description::{Slot, Thing};
 use translucid_scene::{
-    Camera, Environment, Film, Image, Integrator, Light, Material, Scene, SubsurfaceModel,
+    Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Scene, SubsurfaceModel,
 };
 
 use crate::look::Look;
-use crate::message::{CameraMessage, Edited, LightMessage};
+use crate::message::Edited;
+use crate::value::json_of;
 use crate::view::Shown;
 
-/// The camera; its plain fields always have a value in JSON.
 pub(crate) fn camera(camera: &Camera) -> Value {
-    json!(CameraMessage::from(*camera))
+    json_of(&Camera::DESCRIPTION, camera).into()
 }
 
 pub(crate) fn film(film: &Film) -> Value {
-    json!({
-        "width": film.width,
-        "height": film.height,
-        "exposure": film.exposure,
-        "tone_mapping": film.tone_mapping.name(),
-    })
+    let mut object = json_of(&Film::DESCRIPTION, film);
+    object.remove("size");
+    object
+        .extend([("width", film.width), ("height", film.height)].map(|(key, n)| (key.to_owned(), json!(n))));
+    object.into()
 }
 
 pub(crate) fn image(image: &Image) -> Value {
@@ -35,38 +34,41 @@ pub(crate) fn look(look: &Look) -> Value {
         "materials": look.materials.iter().map(|each| material(each, &look.integrator)).collect::<Vec<_>>(),
         "lights": look.lights.iter().map(light).collect::<Vec<_>>(),
         "environment": look.environment.as_ref().map(environment),
-        "integrator": integrator(&look.integrator),
+        "integrator": json_of(&Integrator::DESCRIPTION, &look.integrator),
     })
 }
 
 fn material(material: &Material, integrator: &Integrator) -> Value {
-    let parameters: Map<String, Value> = material
-        .parameters()
-        .into_iter()
-        .map(|parameter| {
-            let value = match parameter.numbers[..] {
-                [number] => json!(number),
-                _ => json!(parameter.numbers),
-            };
-            let entry = json!({
-                "value": value,
-                "image": parameter.has_image,
-                "vertex": parameter.has_vertex_color,
-            });
-            (parameter.name.to_owned(), entry)
-        })
-        .collect();
+    let mut copy = material.clone();
+    let (mut parameters, mut words) = (Map::new(), Map::new());
+    for field in Material::DESCRIPTION.fields {
+        let (value, image, vertex) = match (field.slot)(&mut copy) {
+            Slot::Number(x, _) | Slot::Length(x, _) => (json!(x), false, false),
+            Slot::Scalar(input, _) => (json!(input.factor), input.texture.is_some(), false),
+            Slot::Color(ColorInput { factor, texture, vertex_color }, _) => {
+                (json!(factor.to_array()), texture.is_some(), *vertex_color)
+            }
+            Slot::Word(word) => {
+                words.insert(field.key().to_owned(), json!(word.name()));
+                continue;
+            }
+            _ => continue,
+        };
+        let entry = json!({ "value": value, "image": image, "vertex": vertex });
+        parameters.insert(field.key().to_owned(), entry);
+    }
     let mfp = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
     let mut object = json!({ "name": material.name, "parameters": parameters, "mfp": mfp.to_array() });
     object["model"] = json!(material.model(integrator).name());
-    for word in material.words() {
-        object[word.name] = json!(word.word);
-    }
+    object["subsurface_model"] = json!(material.subsurface_model.name());
+    object.as_object_mut().expect("it is one").append(&mut words);
     object
 }
 
 fn light(light: &Light) -> Value {
-    LightMessage::serialize(light, Serializer).unwrap_or_default()
+    let mut object = json_of(light.description(), light);
+    object.insert(String::from("type"), json!(light.kind()));
+    object.into()
 }
 
 fn environment(environment: &Environment) -> Value {
@@ -80,33 +82,72 @@ fn environment(environment: &Environment) -> Value {
     })
 }
 
-fn integrator(integrator: &Integrator) -> Value {
-    json!({
-        "samples_per_pixel": integrator.samples_per_pixel,
-        "max_depth": integrator.max_depth,
-        "max_diffuse_depth": integrator.max_diffuse_depth,
-        "subsurface_method": integrator.subsurface_method.name(),
-        "subsurface_sharing": integrator.subsurface_sharing,
-        "caustics": integrator.caustics,
-        "seed": integrator.seed,
-    })
+/// The parameters of materials that are numbers or colors, and the words of every key that takes one.
+fn parameters_and_words() -> (Vec<Value>, Map<String, Value>) {
+    let (mut parameters, mut words) = (Vec::new(), Map::new());
+    let mut plain = Material::default();
+    for field in Material::DESCRIPTION.fields {
+        let (kind, range) = match (field.slot)(&mut plain) {
+            Slot::Number(_, range) | Slot::Length(_, range) | Slot::Scalar(_, range) => ("number", range),
+            Slot::Color(_, range) => ("color", range),
+            _ => continue,
+        };
+        parameters.push(json!({ "name": field.key(), "kind": kind, "min": range.low, "max": range.high }));
+    }
+    words.insert(String::from("subsurface_model"), json!(SubsurfaceModel::ALL.map(SubsurfaceModel::name)));
+    insert_words(&Material::DESCRIPTION, &mut words);
+    insert_words(&Integrator::DESCRIPTION, &mut words);
+    insert_words(&Film::DESCRIPTION, &mut words);
+    (parameters, words)
+}
+
+fn insert_words<T>(description: &Thing<T>, words: &mut Map<String, Value>) {
+    let mut plain = (description.plain)();
+    for field in description.fields {
+        if let Slot::Word(word) = (field.slot)(&mut plain) {
+            words.insert(field.key().to_owned(), json!(word.names()));
+        }
+    }
+}
+
+/// A kind of light: an example of it, and the fields that have a row of their own, in the order of its keys.
+fn kind_of_light(kind: &Thing<Light>) -> Value {
+    let mut example = (kind.plain)();
+    let [mut place, mut strength] = [Value::Null, Value::Null];
+    let mut fields = Vec::new();
+    for field in kind.fields {
+        let (of, range) = match (field.slot)(&mut example) {
+            Slot::Point(_) => {
+                place = json!(field.key());
+                ("point", None)
+            }
+            Slot::Radiance(_) => {
+                strength = json!(field.key());
+                ("radiance", None)
+            }
+            Slot::Power(_) => {
+                strength = json!(field.key());
+                ("power", None)
+            }
+            Slot::Direction(..) => ("direction", None),
+            Slot::Edges { .. } => ("edges", None),
+            Slot::Length(_, range) => ("length", Some(range)),
+            Slot::Angle(_, range) => ("angle", Some(range)),
+            Slot::Number(_, range) => ("number", Some(range)),
+            Slot::Flag(_) => ("flag", None),
+            _ => continue,
+        };
+        let [min, max] = [range.map(|range| range.low), range.map(|range| range.high)];
+        fields.push(
+            json!({ "key": field.key(), "kind": of, "min": min, "max": max, "hint": field.keys[0].doc }),
+        );
+    }
+    json!({ "name": kind.name, "place": place, "strength": strength, "fields": fields, "example": light(&example) })
 }
 
 /// Everything about a scene that no edit changes, and the names that a page offers.
 pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: &Camera) -> Value {
-    let plain = Material::default();
-    let parameter = |parameter: translucid_scene::ParameterValue| {
-        json!({
-            "name": parameter.name,
-            "kind": if parameter.numbers.len() == 1 { "number" } else { "color" },
-            "min": parameter.range[0],
-            "max": parameter.range[1],
-        })
-    };
-    let mut words: Map<String, Value> =
-        plain.words().into_iter().map(|word| (word.name.to_owned(), json!(word.words))).collect();
-    words.insert("subsurface_method".to_owned(), json!(["ray-traced", "point-based", "cycles-disk"]));
-    words.insert("tone_mapping".to_owned(), json!(["srgb", "neutral", "agx"]));
+    let (parameters, words) = parameters_and_words();
     let model = |model: SubsurfaceModel| json!({ "name": model.name(), "description": model.description() });
     let objects: Vec<Value> = scene
         .objects
@@ -121,14 +162,15 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
         .collect();
     json!({
         "type": "hello",
-        "protocol": 1,
+        "protocol": 2,
         "version": env!("CARGO_PKG_VERSION"),
         "name": name,
         "unit": scene.unit.name(),
         "objects": objects,
         "bounds": { "center": bounds.0, "radius": bounds.1 },
         "cameras": [{ "name": "scene", "camera": camera(origin) }],
-        "parameters": plain.parameters().into_iter().map(parameter).collect::<Vec<_>>(),
+        "parameters": parameters,
+        "lights": Light::KINDS.map(kind_of_light),
         "models": SubsurfaceModel::ALL.map(model),
         "words": words,
         "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source })).collect::<Vec<_>>(),

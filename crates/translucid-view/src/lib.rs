@@ -26,6 +26,7 @@ mod profile_panel;
 mod server;
 mod shared;
 mod studio;
+mod value;
 mod view;
 
 use std::fmt;

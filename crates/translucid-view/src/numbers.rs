@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use translucid_profile::InputError;
 use translucid_profile::convention::{ArgumentNames, Conversion, Converted, Setting};
+use translucid_scene::description::Choice;
 use translucid_scene::{Material, SubsurfaceParameter, Unit};
 
 /// The answer to `numbers`: as `translucid convert` says it, with its command line.
@@ -85,8 +86,7 @@ fn convert(
 }
 
 fn configuration(material: &Material) -> &'static str {
-    let word = material.words().into_iter().find(|word| word.name == "subsurface_configuration");
-    word.map_or("", |word| word.word)
+    Choice::name(&material.subsurface_configuration)
 }
 
 /// A number to six digits, as people type it.

@@ -6,12 +6,13 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 use translucid_load::Piece;
-use translucid_scene::{Camera, Environment, Film, Image, Light, Material, Object, Scene, SceneError, Unit};
+use translucid_scene::{Camera, Environment, Film, Image, Material, Object, Scene, SceneError, Unit};
 
 use crate::json;
 use crate::look::Look;
-use crate::message::{Edited, Message, Side, table_of, with_unit_direction};
+use crate::message::{Edited, Message, Side};
 use crate::page_state::PageState;
+use crate::value::piece;
 use crate::view::Shown;
 use translucid_render::FilmLayer;
 
@@ -198,13 +199,13 @@ impl Studio {
             Message::Material { index, set, gesture } => {
                 self.edit(gesture, |studio, look| {
                     require("material", index, look.materials.len())?;
+                    let set = piece(&format!("material {}", look.materials[index].name), set.clone());
                     look.materials[index] = studio.edited_material(&look.materials[index], &set)?;
                     Ok(())
                 })?;
             }
             Message::Light { index, light, gesture } => {
-                let light = with_unit_direction(light);
-                light.validate(index)?;
+                let light = piece(&format!("light {index}"), light).light()?;
                 self.edit(gesture, |_, look| {
                     require("light", index, look.lights.len())?;
                     look.lights[index] = light;
@@ -220,28 +221,26 @@ impl Studio {
                 })?;
             }
             Message::Environment { environment, gesture } => {
-                let environment = environment.map(Environment::from);
-                let images = self.image_count + self.images.len();
-                environment.map_or(Ok(()), |environment| environment.validate(images))?;
+                let environment = environment.map(|keys| self.environment(keys)).transpose()?;
                 self.edit(gesture, |_, look| {
                     look.environment = environment;
                     Ok(())
                 })?;
             }
             Message::Integrator { set, gesture } => {
+                let set = piece("integrator", set);
                 self.edit(gesture, |_, look| {
-                    look.integrator = piece("integrator", &set)?.integrator(look.integrator)?;
+                    look.integrator = set.integrator(look.integrator)?;
                     Ok(())
                 })?;
             }
             Message::Film { set, gesture } => {
-                let film = piece("film", &set)?.film(self.setup.film)?;
+                let film = piece("film", set).film(self.setup.film)?;
                 check_size(&film)?;
                 self.change(gesture, |setup| setup.film = film);
             }
             Message::Camera { camera, moving, gesture } => {
-                let camera = Camera::from(camera);
-                camera.validate()?;
+                let camera = piece("camera", camera).camera()?;
                 self.moving = moving.then(Instant::now);
                 self.change(gesture, |setup| setup.camera = camera);
             }
@@ -332,10 +331,9 @@ impl Studio {
         }
     }
 
-    fn add_light(&mut self, light: Light) -> Result<(), SceneError> {
-        let light = with_unit_direction(light);
+    fn add_light(&mut self, keys: Map<String, Value>) -> Result<(), SceneError> {
+        let light = piece("the new light", keys).light()?;
         self.edit(None, |_, look| {
-            light.validate(look.lights.len())?;
             if look.lights.len() >= MOST_LIGHTS {
                 return Err(SceneError::new(format!(
                     "the scene has {} lights, and a page adds one to less than {MOST_LIGHTS}",
@@ -347,9 +345,22 @@ impl Studio {
         })
     }
 
-    fn edited_material(&self, old: &Material, set: &Map<String, Value>) -> Result<Material, SceneError> {
-        let piece = named_piece(format!("material {}", old.name), set)?;
-        let new = piece.material(old, self.unit)?;
+    /// An environment by its keys, but for the image, which is one of the session's by its number.
+    fn environment(&self, mut keys: Map<String, Value>) -> Result<Environment, SceneError> {
+        let image = keys.remove("image").unwrap_or_default();
+        let number = image.as_u64().and_then(|number| usize::try_from(number).ok());
+        if number.is_none() && !image.is_null() {
+            let message =
+                format!("environment: image is {image}, but must be the number of an image or null");
+            return Err(SceneError::new(message));
+        }
+        let environment = Environment { image: number, ..piece("environment", keys).environment()? };
+        environment.validate(self.image_count + self.images.len())?;
+        Ok(environment)
+    }
+
+    fn edited_material(&self, old: &Material, set: &Piece) -> Result<Material, SceneError> {
+        let new = set.material(old, self.unit)?;
         new.validate(self.image_count + self.images.len(), self.table_count)?;
         Ok(new)
     }
@@ -409,15 +420,6 @@ fn check_size(film: &Film) -> Result<(), SceneError> {
     let (width, height) = (film.width, film.height);
     let message = format!("the film has {width}x{height} pixels, but a page shows at most {MOST_PIXELS}");
     Err(SceneError::new(message).with_help("choose a smaller size"))
-}
-
-fn piece(title: &str, set: &Map<String, Value>) -> Result<Piece, SceneError> {
-    named_piece(title.to_owned(), set)
-}
-
-fn named_piece(title: String, set: &Map<String, Value>) -> Result<Piece, SceneError> {
-    let text = table_of(set).map_err(|message| SceneError::new(format!("{title}: {message}")))?;
-    Ok(Piece { title, text, images: Vec::new() })
 }
 
 #[cfg(test)]
@@ -506,7 +508,7 @@ mod tests {
             ),
             (
                 r#"{"type":"material","index":2,"set":{"base_color":{"file":"/etc/passwd"}}}"#,
-                "must be a number",
+                "no further images",
             ),
             (r#"{"type":"material","index":2,"set":{"geometry_normal":"/etc/passwd"}}"#, "no further images"),
             (
@@ -521,11 +523,11 @@ mod tests {
                 "image",
             ),
             (
-                r#"{"type":"light","index":0,"light":{"kind":"sphere","center":[0,0,0],"radius":-1,"radiance":[1,1,1],"visible":true}}"#,
-                "radius = -1",
+                r#"{"type":"light","index":0,"light":{"type":"sphere","center":[0,0,0],"radius":-1,"radiance":[1,1,1],"visible":true}}"#,
+                "light 0: radius is -1, but must be in (0, 1e10]",
             ),
             (
-                r#"{"type":"camera","camera":{"position":[0,0,0],"target":[0,0,0],"up":[0,1,0],"projection":{"kind":"perspective","fov":40},"shift":[0,0],"lens_radius":0,"focus_distance":1}}"#,
+                r#"{"type":"camera","camera":{"position":[0,0,0],"target":[0,0,0],"up":[0,1,0],"fov":40,"shift":[0,0],"lens_radius":0,"focus_distance":1}}"#,
                 "target",
             ),
             (r#"{"type":"show","view":"everything"}"#, "must be one of radiance"),
@@ -569,11 +571,11 @@ mod tests {
     const MESSAGES: [&str; 10] = [
         r#"{"type":"material","index":3,"set":{"subsurface_radius":0.5,"subsurface_color":[0.5,0.4,0.3]},"gesture":1}"#,
         r#"{"type":"material","index":4,"set":{"preset":"jade","subsurface_model":"dipole"}}"#,
-        r#"{"type":"light","index":0,"light":{"kind":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}"#,
+        r#"{"type":"light","index":0,"light":{"type":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}"#,
         r#"{"type":"environment","environment":{"radiance":[1,1,1],"image":null,"rotation":30,"visible":false}}"#,
         r#"{"type":"integrator","set":{"samples_per_pixel":2,"subsurface_sharing":false,"seed":7}}"#,
         r#"{"type":"film","set":{"exposure":1.5,"tone_mapping":"agx","size":[24,16]}}"#,
-        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"projection":{"kind":"perspective","fov":40},"shift":[0,0],"lens_radius":0,"focus_distance":60}}"#,
+        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"fov":40,"shift":[0,0],"lens_radius":0,"focus_distance":60}}"#,
         r#"{"type":"compare","on":true}"#,
         r#"{"type":"side","side":"b"}"#,
         r#"{"type":"undo"}"#,

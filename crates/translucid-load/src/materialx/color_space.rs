@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::color::linear_from_srgb;
+use translucid_scene::description::linear_from_srgb;
 
 /// Chromaticities x, y of red, green, blue and white.
 type Primaries = [[f64; 2]; 4];

@@ -15,12 +15,12 @@ use std::path::{Path, PathBuf};
 
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use roxmltree::{Node, NodeId};
+use translucid_scene::description::FileRequest;
 use translucid_scene::{Channel, ColorSpace, SceneError, TextureRef, Wrap};
 
 use super::color_space::NamedSpace;
 use super::document::{Kind, Source, inherited, shown, title};
 use super::unit;
-use crate::file_request::FileRequest;
 
 /// Most nodes that feed each other in a row.
 const LONGEST_CHAIN: usize = 128;
@@ -410,6 +410,7 @@ impl<'s, 'd> Graph<'s, 'd> {
             path: self.folder.join(name.replace('\\', "/")),
             kind: color_space,
             place: self.source.place(file),
+            image: None,
         };
         let is_same =
             |known: &FileRequest<ColorSpace>| known.path == request.path && known.kind == color_space;

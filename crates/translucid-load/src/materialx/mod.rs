@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::{Document, Node, ParsingOptions};
 use translucid_profile::nearest;
+use translucid_scene::description::FileRequest;
 use translucid_scene::{ColorSpace, Material, Place, SceneError, Unit, Warning};
 
 use self::document::{Kind, Source, clipped, shown, title};
 use self::graph::{Graph, scope_of};
 use self::shader::{LengthUnits, ShadingModel, read_shader};
-use super::file_request::FileRequest;
 use crate::file::read_file;
 
 /// Most bytes of a document.
@@ -160,8 +160,8 @@ fn images_in_use(
 ) -> Vec<FileRequest<ColorSpace>> {
     let mut numbers = vec![None; images.len()];
     let mut count = 0;
-    material.for_each_texture(|texture| {
-        texture.image = *numbers[texture.image].get_or_insert_with(|| {
+    material.for_each_image(|image| {
+        *image = *numbers[*image].get_or_insert_with(|| {
             count += 1;
             count - 1
         });

@@ -3,9 +3,8 @@
 use glam::Vec3;
 use roxmltree::Node;
 use translucid_profile::nearest;
-use translucid_scene::{
-    ColorInput, Interval, Material, NormalMap, PARAMETERS, ScalarInput, SceneError, Slot, Unit,
-};
+use translucid_scene::description::{Field, Slot};
+use translucid_scene::{ColorInput, Interval, Material, NormalMap, ScalarInput, SceneError, Unit};
 
 use super::document::{Kind, shown, title};
 use super::graph::{Graph, Signal, scope_of};
@@ -108,6 +107,15 @@ const STANDARD: ShadingModel = ShadingModel {
     ],
 };
 
+/// The parameters of a material that are numbers, scalars or colors.
+pub(super) fn numbers() -> impl Iterator<Item = &'static Field<Material>> {
+    let mut plain = Material::default();
+    Material::DESCRIPTION.fields.iter().filter(move |field| {
+        let slot = (field.slot)(&mut plain);
+        matches!(slot, Slot::Number(..) | Slot::Length(..) | Slot::Scalar(..) | Slot::Color(..))
+    })
+}
+
 impl ShadingModel {
     const ALL: [&'static Self; 2] = [&OPEN_PBR, &STANDARD];
 
@@ -124,7 +132,7 @@ impl ShadingModel {
         if self.category == STANDARD.category {
             return self.renamed.iter().find(|(name, _)| *name == input).map(|&(_, parameter)| parameter);
         }
-        let plain = PARAMETERS.iter().map(|parameter| parameter.name).chain(["geometry_normal"]);
+        let plain = numbers().map(Field::key).chain(["geometry_normal"]);
         // Those that OpenPBR does not have
         plain
             .filter(|name| !matches!(*name, "subsurface_eta" | "subsurface_flights"))
@@ -132,8 +140,7 @@ impl ShadingModel {
     }
 
     fn inputs(&self) -> impl Iterator<Item = &'static str> {
-        let ours =
-            PARAMETERS.iter().map(|parameter| parameter.name).filter(|name| self.parameter(name).is_some());
+        let ours = numbers().map(Field::key).filter(|name| self.parameter(name).is_some());
         let renamed = self.renamed.iter().map(|(name, _)| *name);
         ours.chain(renamed).chain(self.lost.iter().map(|(name, _)| *name)).chain(self.silent.iter().copied())
     }
@@ -257,9 +264,7 @@ impl<'d> Reader<'_, 'd> {
         name: &'static str,
         mut signal: Signal,
     ) -> Result<(), SceneError> {
-        let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.name == name) else {
-            return Ok(());
-        };
+        let Some(parameter) = numbers().find(|parameter| parameter.key() == name) else { return Ok(()) };
         if name == "geometry_opacity" && signal.channels == 3 {
             signal = red_alone(graph, input, signal);
         }
@@ -279,8 +284,8 @@ impl<'d> Reader<'_, 'd> {
             None => 1.0,
         };
         signal.factor.iter_mut().for_each(|number| *number *= scale);
-        let slot = parameter.slot(&mut self.material);
-        let channels = if matches!(slot, Slot::Color(_)) { 3 } else { 1 };
+        let slot = (parameter.slot)(&mut self.material);
+        let channels = if matches!(slot, Slot::Color(..)) { 3 } else { 1 };
         if signal.channels != channels && (signal.channels, channels) != (4, 3) {
             let types = if channels == 3 { "a color3" } else { "a float" };
             let message = format!("{} has {} channels, but must be {types}", graph.reading, signal.channels);
@@ -296,21 +301,22 @@ impl<'d> Reader<'_, 'd> {
         };
         let [number, ..] = signal.factor;
         match (slot, signal.texture) {
-            (Slot::Number(slot), None) => *slot = within(number, parameter.range),
-            (Slot::Number(_), Some(_)) => {
+            (Slot::Number(slot, range) | Slot::Length(slot, range), None) => *slot = within(number, range),
+            (Slot::Number(..) | Slot::Length(..), Some(_)) => {
                 graph.give_up(input, "it may not vary over the surface here, but has an image");
             }
-            (Slot::Scalar(slot), None) => *slot = ScalarInput::constant(within(number, parameter.range)),
-            (Slot::Scalar(slot), Some(texture)) => {
+            (Slot::Scalar(slot, range), None) => *slot = ScalarInput::constant(within(number, range)),
+            (Slot::Scalar(slot, _), Some(texture)) => {
                 let factor = within(number, ScalarInput::TEXTURED);
                 *slot = ScalarInput { factor, texture: Some((texture, signal.channel)) };
             }
-            (Slot::Color(slot), texture) => {
-                let range = if texture.is_some() { ColorInput::TEXTURED } else { parameter.range };
+            (Slot::Color(slot, range), texture) => {
+                let range = if texture.is_some() { ColorInput::TEXTURED } else { range };
                 let factor =
                     Vec3::from_array(signal.color().to_array().map(|channel| within(channel, range)));
                 *slot = ColorInput { factor, texture, vertex_color: false };
             }
+            _ => {}
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! Documents that are sound, and hostile ones.
 
 use glam::{Vec2, Vec3};
-use translucid_scene::{Channel, ColorInput, PARAMETERS, ScalarInput, Slot, Wrap};
+use translucid_scene::description::Slot;
+use translucid_scene::{Channel, ColorInput, ScalarInput, Wrap};
 use translucid_testing::mutants;
 
 use super::*;
@@ -51,8 +52,8 @@ fn input(name: &str, kind: &str, value: &str) -> String {
 
 #[test]
 fn every_parameter_of_openpbr_is_read_and_nothing_else_changes() {
-    for parameter in PARAMETERS {
-        let name = parameter.name;
+    for parameter in shader::numbers() {
+        let name = parameter.key();
         if matches!(name, "subsurface_eta" | "subsurface_flights") {
             let (_, warnings) = read_text(&open_pbr(&input(name, "float", "1.25")));
             assert!(warnings[0].contains(&format!("{name} is no input that is known")), "{warnings:?}");
@@ -65,19 +66,20 @@ fn every_parameter_of_openpbr_is_read_and_nothing_else_changes() {
             _ => ("0.125", 0.125),
         };
         let mut changed = Material { name: "S".into(), ..Material::default() };
-        let kind = match parameter.slot(&mut changed) {
-            Slot::Number(number) => {
+        let kind = match (parameter.slot)(&mut changed) {
+            Slot::Number(number, _) | Slot::Length(number, _) => {
                 *number = expected;
                 "float"
             }
-            Slot::Scalar(input) => {
+            Slot::Scalar(input, _) => {
                 input.factor = expected;
                 "float"
             }
-            Slot::Color(input) => {
+            Slot::Color(input, _) => {
                 input.factor = Vec3::splat(expected);
                 "color3"
             }
+            _ => unreachable!(),
         };
         let value = if kind == "color3" { [value; 3].join(", ") } else { value.to_owned() };
         let (found, _) = sound(&open_pbr(&input(name, kind, &value)));

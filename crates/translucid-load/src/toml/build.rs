@@ -7,17 +7,17 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use rayon::prelude::*;
+use translucid_scene::description::FileRequest;
 use translucid_scene::{
     Camera, Interval, Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, repair_mesh,
 };
 use translucid_shapes::build_shape;
 
-use super::input::KnownFiles;
+use super::files::KnownFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::extent::warn_of_extent;
 use crate::file::read_file;
-use crate::file_request::FileRequest;
 use crate::image::read_image;
 use crate::loading::Loading;
 use crate::mesh_file::{MeshFile, scale_lengths};
@@ -227,9 +227,9 @@ struct LoadedMeshFile {
 ///
 /// let mut builder = SceneBuilder::new(Unit::Millimeter);
 /// let mut warnings = Vec::new();
-/// builder.add_material(&Piece::new("material jade", "name = 'jade'\npreset = 'jade'"), &mut warnings)?;
-/// builder.add_object(&Piece::new("object ball", "shape = 'sphere'\nmaterial = 'jade'"), &mut warnings)?;
-/// let error = builder.set_film(&Piece::new("film", "sise = [64, 64]")).unwrap_err();
+/// builder.add_material(&Piece::parse("material jade", "name = 'jade'\npreset = 'jade'")?, &mut warnings)?;
+/// builder.add_object(&Piece::parse("object ball", "shape = 'sphere'\nmaterial = 'jade'")?, &mut warnings)?;
+/// let error = builder.set_film(&Piece::parse("film", "sise = [64, 64]")?).unwrap_err();
 /// assert!(error.to_string().starts_with("film: it has no key sise (did you mean size?"));
 /// let scene = builder.build(&LoadOptions::default())?;
 /// assert_eq!(scene.lights.len(), 2); // those of a scene that has none
@@ -509,7 +509,7 @@ impl SceneBuilder {
             let shift = self.scene.images.len();
             self.scene.images.extend(loaded.model.images.drain(..).map(Arc::new));
             for material in &mut loaded.model.materials {
-                material.for_each_texture(|texture| texture.image += shift);
+                material.for_each_image(|image| *image += shift);
             }
             self.scene.materials.append(&mut loaded.model.materials);
         }
@@ -616,6 +616,6 @@ fn transformed_light(light: &Light, map: &Affine3A) -> Option<Light> {
             Some(Light::Distant { direction: direct(direction)?, angular_radius, irradiance })
         }
         // Mesh files have no others.
-        Light::Rectangle { .. } | Light::Ellipse { .. } | Light::Sphere { .. } | Light::Beam { .. } => None,
+        _ => None,
     }
 }

@@ -2,16 +2,16 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use translucid_profile::convention::preset;
 use translucid_profile::nearest;
-use translucid_scene::{Environment, Place, Scene, SceneError, Unit, Warning, WholeInterval};
+use translucid_scene::description::{Item, Table, read_size};
+use translucid_scene::{Environment, Film, Place, Scene, SceneError, Unit, Warning, WholeInterval};
 
 use super::SceneFile;
 use super::build::check_present;
-use super::document::{DocumentText, Item, Table};
 use super::object::read_material_name;
-use super::settings::read_size;
 use crate::LoadOptions;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::{extension, stem};
@@ -71,7 +71,7 @@ enum Origin {
 
 impl Origin {
     fn read(item: &Item<'_>) -> Result<Self, SceneError> {
-        if item.value().as_str() == Some(STILL_LIFE) {
+        if item.as_text() == Some(STILL_LIFE) {
             return Ok(Self::StillLife);
         }
         let path = item.file()?;
@@ -90,13 +90,13 @@ impl Extends {
     pub(super) fn read(root: &Table<'_>) -> Result<Self, SceneError> {
         let item = root.require("extends")?;
         let origin = Origin::read(&item)?;
-        let unit = root.get("unit").map(|item| item.word(&Unit::WORDS).map(|unit| (unit, item.place())));
+        let unit = root.get("unit").map(|item| item.word().map(|unit| (unit, item.place())));
         let film = root.get("film").map(|item| item.table()).transpose()?;
         let size = film.and_then(|table| table.get("size"));
         Ok(Self {
             preset: root.get("preset").map(|item| read_preset_name(&item, &origin)).transpose()?,
             unit: unit.transpose()?,
-            size: size.map(|item| read_size(&item)).transpose()?,
+            size: size.map(|item| read_size(&item, Film::EDGE)).transpose()?,
             place: item.place(),
             origin,
         })
@@ -108,7 +108,7 @@ fn read_preset_name(item: &Item<'_>, origin: &Origin) -> Result<String, SceneErr
         let error = item.error("preset is for a mesh, but extends names a scene");
         return Err(error.with_help("use the key preset in a [[material]]"));
     };
-    let name = item.string()?;
+    let name = item.text()?;
     preset(name).map_err(|error| SceneError { place: Some(item.place()), ..error.into() })?;
     Ok(name.to_owned())
 }
@@ -152,13 +152,13 @@ pub(super) fn change_object(table: Table<'_>, is_known: bool, scene: &mut Scene)
     })?;
     let material = table.require("material")?;
     if !is_known {
-        return material.string().map(drop);
+        return material.text().map(drop);
     }
     let names = || scene.objects.iter().map(|object| &object.name);
     let Some(index) = choose(&table, names())? else {
         let item = table.require("name")?;
         let error = item.refuse("the name of an object of the base");
-        let near = nearest(item.string()?, names().map(String::as_str));
+        let near = nearest(item.text()?, names().map(String::as_str));
         return Err(match near {
             Some(near) => error.with_help(format!("did you mean \"{near}\"?")),
             None => error.with_help("a new object needs the key file or shape"),
@@ -171,7 +171,7 @@ pub(super) fn change_object(table: Table<'_>, is_known: bool, scene: &mut Scene)
 /// Refuses a new object with the name of one of the base.
 pub(super) fn refuse_known_name(table: &Table<'_>, base: &Scene) -> Result<(), SceneError> {
     let item = table.require("name")?;
-    let name = item.string()?;
+    let name = item.text()?;
     if base.objects.iter().all(|object| object.name != name) {
         return Ok(());
     }
@@ -342,8 +342,9 @@ fn extend(
         return Err(SceneError::at(place.clone(), message).with_help("leave it out"));
     }
     let first_new = base.materials.len();
-    let source: &DocumentText = &file.source;
-    let file = SceneFile::of(source, Base::Known(Box::new(base)), Some(loading))?;
+    let (source, entries) = (file.source.clone(), Arc::clone(&file.entries));
+    let file = SceneFile::of(source, entries, Base::Known(Box::new(base)), Some(loading))?;
+    let path = file.source.path().to_owned();
     let new: Vec<String> = file.scene.materials[first_new..].iter().map(|m| m.name.clone()).collect();
     let scene = file.assemble(overrides, options, loading)?;
     for (number, name) in new.iter().enumerate() {
@@ -351,7 +352,7 @@ fn extend(
             let old = scene.materials[..first_new].iter().map(|material| material.name.as_str());
             let near = nearest(name, old).map_or(String::new(), |near| format!(": did you mean \"{near}\"?"));
             let message = format!("no object has the new material \"{name}\"{near}");
-            loading.warnings.push(Warning { message, place: Some(Place::file(source.path())) });
+            loading.warnings.push(Warning { message, place: Some(Place::file(&path)) });
         }
     }
     Ok(scene)

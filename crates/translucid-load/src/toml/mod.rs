@@ -2,33 +2,33 @@
 
 mod build;
 mod camera;
-mod document;
 mod extend;
-mod input;
-mod light;
+mod files;
 mod material;
 mod object;
+mod parse;
 mod piece;
-mod settings;
 #[cfg(test)]
 mod tests;
-mod text;
 mod write;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use document::{DocumentText, Item, Table};
 use extend::{Base, Extends};
-use input::{Documents, FileList};
+use files::{Documents, NamedFiles};
 use object::{GeometryOrigin, ObjectEntry};
-use translucid_scene::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit};
+use parse::parse;
+use translucid_scene::description::{Entry, FileRequest, Item, Provenance, Table, Word};
+use translucid_scene::{
+    Camera, ColorSpace, Environment, Film, Integrator, Light, Material, Scene, SceneError,
+};
 
 pub use build::SceneBuilder;
 pub use piece::Piece;
 pub use write::ExtendedBase;
 
-use super::file_request::FileRequest;
 use crate::NamedCamera;
 use crate::file::stem;
 use crate::loading::Loading;
@@ -62,7 +62,9 @@ pub(super) enum Grouping {
     Material,
 }
 
-const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("material", Grouping::Material)];
+impl Word for Grouping {
+    const WORDS: &'static [(&'static str, Self)] = &[("object", Self::Object), ("material", Self::Material)];
+}
 
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
@@ -71,7 +73,8 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 /// The format is described in `docs/guide/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    source: DocumentText,
+    source: Provenance,
+    entries: Arc<[Entry]>,
     /// The file that the text was read from, if it was.
     file: Option<PathBuf>,
     /// What the file extends, if anything.
@@ -108,26 +111,30 @@ impl SceneFile {
     /// assert_eq!(error.place.unwrap().line, Some(3));
     /// ```
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        Self::of(&DocumentText::new(path, text), Base::Unknown, None)
+        let source = Provenance::file(path, text);
+        let entries = parse(&source)?.into();
+        Self::of(source, entries, Base::Unknown, None)
     }
 
     /// Reads a text; one that extends a scene changes the base, or is checked as far as it can be without.
     ///
     /// Documents of materials are opened where there is a place for what is found in them.
-    fn of(source: &DocumentText, base: Base, loading: Option<&mut Loading<'_>>) -> Result<Self, SceneError> {
-        let document = source.parse()?;
-        let root = Table::root(source, document.get_ref());
+    fn of(
+        source: Provenance,
+        entries: Arc<[Entry]>,
+        base: Base,
+        loading: Option<&mut Loading<'_>>,
+    ) -> Result<Self, SceneError> {
+        let root = Table::root(&source, &entries);
         let is_extending = root.get("extends").is_some();
         let root = root.allow(if is_extending { extend::KEYS } else { KEYS })?;
         let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
         let (mut scene, is_known) = match base {
             Base::Known(scene) => (*scene, true),
             Base::Unknown if is_extending => (extend::any_base(), false),
-            Base::Unknown => {
-                (Scene { unit: root.require("unit")?.word(&Unit::WORDS)?, ..Scene::default() }, true)
-            }
+            Base::Unknown => (Scene { unit: root.require("unit")?.word()?, ..Scene::default() }, true),
         };
-        let mut files = FileList::after(&scene);
+        let mut files = NamedFiles::after(&scene);
         files.documents = if loading.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };
         if is_known {
             let read = read_materials(&root, is_extending, &mut scene, &mut files);
@@ -140,19 +147,24 @@ impl SceneFile {
         let cameras = root.read("camera", Vec::new(), camera::read_cameras)?;
         if root.get("light").is_some() {
             let lights = root.tables("light", MOST_ENTRIES)?;
-            scene.lights = lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?;
+            scene.lights = lights.into_iter().map(Light::read).collect::<Result<_, _>>()?;
         }
-        scene.film = root.settings("film", scene.film, settings::FILM)?;
-        scene.integrator = root.settings("integrator", scene.integrator, settings::INTEGRATOR)?;
+        if let Some(item) = root.get("film") {
+            scene.film = Film::DESCRIPTION.changed_by(scene.film, item.table()?)?;
+        }
+        if let Some(item) = root.get("integrator") {
+            scene.integrator = Integrator::DESCRIPTION.changed_by(scene.integrator, item.table()?)?;
+        }
         let objects = read_objects(&root, is_extending, is_known, &mut scene)?;
         let grouping = match is_extending {
             true => Grouping::Object,
-            false => root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
+            false => root.read("subsurface_grouping", Grouping::Object, Item::word)?,
         };
         let base_camera = is_extending.then_some(scene.camera);
-        let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
+        let (images, profile_tables) = (files.list.images, files.list.tables);
         Ok(Self {
             source,
+            entries,
             file: None,
             extends,
             scene,
@@ -171,7 +183,7 @@ impl SceneFile {
     /// The file with the materials of its documents.
     fn with_documents(self, loading: &mut Loading<'_>) -> Result<Self, SceneError> {
         match self.has_documents {
-            true => Self::of(&self.source, Base::Unknown, Some(loading)),
+            true => Self::of(self.source, self.entries, Base::Unknown, Some(loading)),
             false => Ok(self),
         }
     }
@@ -189,9 +201,9 @@ fn read_materials(
     root: &Table<'_>,
     is_extending: bool,
     scene: &mut Scene,
-    files: &mut FileList,
+    files: &mut NamedFiles,
 ) -> Result<(), SceneError> {
-    let mut keys = material::keys();
+    let mut keys = Material::keys();
     keys.extend(is_extending.then_some("index"));
     let base = scene.materials.len();
     let (mut names, mut changed) = (HashSet::new(), HashSet::new());
@@ -225,15 +237,12 @@ fn read_environment(
     root: &Table<'_>,
     is_extending: bool,
     base: Option<Environment>,
-    files: &mut FileList,
+    files: &mut NamedFiles,
 ) -> Result<Option<Environment>, SceneError> {
     match root.get("environment") {
         None => Ok(base),
         Some(item) if is_extending && item.is_none() => Ok(None),
-        Some(item) => {
-            let table = item.table()?.allow(light::ENVIRONMENT_KEYS)?;
-            light::read_environment(&table, base, files).map(Some)
-        }
+        Some(item) => Environment::read(item.table()?, base, &mut files.list).map(Some),
     }
 }
 

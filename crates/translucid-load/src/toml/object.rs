@@ -2,44 +2,18 @@
 
 use std::path::PathBuf;
 
-use ::toml::de::DeValue;
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 use translucid_profile::nearest;
-use translucid_scene::{Interval, Material, Place, Scene, SceneError, Unit, WholeInterval};
+use translucid_scene::description::{Content, Item, Key, Table};
+use translucid_scene::{Interval, Material, Object, Place, Scene, SceneError, Unit, WholeInterval};
 use translucid_shapes::{ShapeParameterKind, ShapeParameters, shape_names, shape_parameters};
 
-use super::document::{Item, Table};
+/// Keys of a file or shape, which an object with a mesh at hand does not have.
+const GEOMETRY_KEYS: [&str; 3] = ["file", "shape", "unit"];
 
-/// Keys of every object; a shape adds its own parameters.
-pub(super) const KEYS: &[&str] = &[
-    "name",
-    "file",
-    "shape",
-    "material",
-    "unit",
-    "translate",
-    "rotate",
-    "scale",
-    "matrix",
-    "transforms",
-    "subsurface_group",
-];
-
-/// Keys of an object whose mesh is at hand.
-const MESH_KEYS: &[&str] = &[
-    "name",
-    "material",
-    "translate",
-    "rotate",
-    "scale",
-    "matrix",
-    "transforms",
-    "subsurface_group",
-    "movable",
-];
-
-/// Keys of a place.
-const PLACE_KEYS: &[&str] = &["translate", "rotate", "scale", "matrix"];
+fn names(keys: &'static [Key]) -> impl Iterator<Item = &'static str> {
+    keys.iter().map(|key| key.name)
+}
 
 /// Where an object's geometry comes from.
 #[derive(Clone, Debug)]
@@ -86,8 +60,8 @@ pub(super) fn read_object<'a>(
     materials: Option<&[Material]>,
 ) -> Result<(ObjectEntry, Table<'a>), SceneError> {
     let shape = table.get("shape").map(|item| read_shape_name(&item)).transpose()?;
-    let names = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
-    let table = table.allow(&KEYS.iter().copied().chain(names).collect::<Vec<_>>())?;
+    let parameters = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
+    let table = table.allow(&names(Object::KEYS).chain(parameters).collect::<Vec<_>>())?;
     let (geometry, place) = read_geometry(&table, shape)?;
     Ok((read_entry(&table, geometry, place, materials)?, table))
 }
@@ -98,8 +72,9 @@ pub(super) fn read_mesh_object(
     place: Place,
     materials: &[Material],
 ) -> Result<ObjectEntry, SceneError> {
-    let table = table.allow(MESH_KEYS)?;
-    let is_movable = table.read("movable", false, Item::boolean)?;
+    let keys = names(Object::KEYS).filter(|key| !GEOMETRY_KEYS.contains(key)).chain(["movable"]);
+    let table = table.allow(&keys.collect::<Vec<_>>())?;
+    let is_movable = table.read("movable", false, Item::flag)?;
     Ok(ObjectEntry { is_movable, ..read_entry(&table, GeometryOrigin::Given, place, Some(materials))? })
 }
 
@@ -124,7 +99,7 @@ fn read_entry(
         is_numbered,
         material: match (table.get("material"), materials) {
             (Some(item), Some(materials)) => Some(read_material_name(&item, materials)?),
-            (Some(item), None) => item.string().map(|_| None)?,
+            (Some(item), None) => item.text().map(|_| None)?,
             (None, _) => None,
         },
         subsurface_group: table.get("subsurface_group").map(|item| item.name()).transpose()?,
@@ -137,20 +112,22 @@ pub(super) fn read_change(
     table: &Table<'_>,
     materials: &[Material],
 ) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
-    let is_placed = PLACE_KEYS.iter().any(|key| table.get(key).is_some());
+    let is_placed = names(Object::PLACE_KEYS).any(|key| table.get(key).is_some());
     let place = is_placed.then(|| read_transform(table)).transpose()?;
     let material = table.get("material").map(|item| read_material_name(&item, materials)).transpose()?;
     Ok((place, material))
 }
 
 /// Keys of a change of an object.
-pub(super) const CHANGE_KEYS: &[&str] = &["material", "translate", "rotate", "scale", "matrix"];
+pub(super) fn change_keys() -> Vec<&'static str> {
+    ["material"].into_iter().chain(names(Object::PLACE_KEYS)).collect()
+}
 
 type ShapeList = &'static [translucid_shapes::ShapeParameter];
 
 fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList), SceneError> {
     let words: Vec<(&str, &str)> = shape_names().into_iter().map(|name| (name, name)).collect();
-    let name = item.word(&words)?;
+    let name = item.word_of(&words)?;
     Ok((name.to_owned(), shape_parameters(name).unwrap_or_default()))
 }
 
@@ -160,7 +137,7 @@ fn read_geometry(
 ) -> Result<(GeometryOrigin, Place), SceneError> {
     match (table.get("file"), table.get("shape").zip(shape)) {
         (Some(file), None) => {
-            let unit = table.get("unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
+            let unit = table.get("unit").map(|item| item.word()).transpose()?;
             Ok((GeometryOrigin::File { path: file.file()?, unit }, file.place()))
         }
         (None, Some((shape, (name, list)))) => {
@@ -197,7 +174,7 @@ fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapePara
 
 /// Index of the material of a name.
 pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize, SceneError> {
-    let name = item.string()?;
+    let name = item.text()?;
     materials.iter().position(|material| material.name == name).ok_or_else(|| {
         let names = || materials.iter().map(|material| material.name.as_str());
         let error = item.refuse("the name of a material of this scene");
@@ -230,19 +207,20 @@ fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
 
 /// Places, each by the keys of an object's own.
 fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<Affine3A>, SceneError> {
-    let tables = match item.value() {
-        DeValue::Array(array) if array.is_empty() => {
+    let tables = match item.content() {
+        Content::List(array) if array.is_empty() => {
             return Err(item.error(format!("{} is empty, but must have at least one table", item.path())));
         }
-        DeValue::Array(_) => table.tables("transforms", Scene::MOST_OBJECTS)?,
+        Content::List(_) => table.tables("transforms", Scene::MOST_OBJECTS)?,
         _ => return Err(item.mismatch("an array of tables like { translate = [1, 0, 0] }")),
     };
-    tables.into_iter().map(|place| read_transform(&place.allow(PLACE_KEYS)?)).collect()
+    let keys: Vec<_> = names(Object::PLACE_KEYS).collect();
+    tables.into_iter().map(|place| read_transform(&place.allow(&keys)?)).collect()
 }
 
 fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
-    let scale = match item.value() {
-        DeValue::Array(_) => item.vec3(Interval::SCALE)?,
+    let scale = match item.content() {
+        Content::List(_) => item.vec3(Interval::SCALE)?,
         _ => Vec3::splat(item.number(Interval::SCALE)?),
     };
     if scale.abs().min_element() < 1e-9 {

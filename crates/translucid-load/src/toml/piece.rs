@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Affine3A;
+use translucid_scene::description::{Content, Entry, FileRequest, Provenance, Table, Value};
 use translucid_scene::{
     Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
     SceneError, SubsurfaceModel, Unit, Warning,
 };
 
 use super::build::{SceneBuilder, check_present, staged};
-use super::document::{DocumentText, Table};
-use super::input::FileList;
+use super::files::NamedFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
-use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
-use crate::file_request::FileRequest;
+use super::parse::parse;
+use super::{Grouping, material, name_objects, object};
 use crate::image::read_image;
 use crate::loading::Loading;
 use crate::options::LoadOptions;
@@ -22,21 +22,43 @@ use crate::profile_table::read_profile_table;
 
 /// A thing of a scene: its keys and values, as they would stand in its table in a scene file.
 ///
-/// Paths are relative to the current directory.
+/// Paths are relative to the current directory; an image at hand may stand in the place of one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piece {
-    /// What messages call it: "material skin".
+    /// Its name in messages: "material skin".
     pub title: String,
-    /// Lines `key = value` in TOML.
-    pub text: String,
-    /// Images at hand, which the key `file` names by their [`Image::name`].
-    pub images: Vec<Arc<Image>>,
+    /// Its keys and values.
+    pub entries: Vec<Entry>,
 }
 
 impl Piece {
-    /// A thing without images at hand.
-    pub fn new(title: &str, text: &str) -> Self {
-        Self { title: title.to_owned(), text: text.to_owned(), images: Vec::new() }
+    /// A thing of these keys and values.
+    pub fn new(title: &str, entries: Vec<Entry>) -> Self {
+        Self { title: title.to_owned(), entries }
+    }
+
+    /// A thing of lines `key = value` of a scene file.
+    ///
+    /// # Errors
+    /// The lines are not TOML.
+    pub fn parse(title: &str, lines: &str) -> Result<Self, SceneError> {
+        match parse(&Provenance::file(Path::new(""), lines)) {
+            Ok(entries) => Ok(Self::new(title, entries)),
+            Err(error) => Err(SceneError::at(Place::part(Path::new(""), title), error.message)),
+        }
+    }
+
+    /// Whether images at hand are among the values.
+    pub fn has_images(&self) -> bool {
+        fn is_in(value: &Value) -> bool {
+            match &value.content {
+                Content::Image(_) => true,
+                Content::List(values) => values.iter().any(is_in),
+                Content::Table(entries) => entries.iter().any(|entry| is_in(&entry.value)),
+                _ => false,
+            }
+        }
+        self.entries.iter().any(|entry| is_in(&entry.value))
     }
 
     fn place(&self) -> Place {
@@ -45,9 +67,7 @@ impl Piece {
 
     /// The value that `read` makes of the table.
     fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
-        let source = DocumentText::of_part(&self.title, &self.text);
-        let document = source.parse()?;
-        read(Table::root(&source, document.get_ref()))
+        read(Table::root(&Provenance::part(&self.title), &self.entries))
     }
 
     /// The camera of `[camera]`.
@@ -55,7 +75,7 @@ impl Piece {
     /// # Errors
     /// A key is unknown or missing, or a value out of its range.
     pub fn camera(&self) -> Result<Camera, SceneError> {
-        self.read(|table| camera::read_camera(&table.allow(camera::KEYS)?))
+        self.read(|table| Camera::DESCRIPTION.of_table(table))
     }
 
     /// The light of a `[[light]]`.
@@ -63,7 +83,7 @@ impl Piece {
     /// # Errors
     /// A key is unknown or missing, or a value out of its range.
     pub fn light(&self) -> Result<Light, SceneError> {
-        self.read(light::read_light)
+        self.read(Light::read)
     }
 
     /// Another place and another material of an object of a scene, by those keys of an `[[object]]`; none where no key
@@ -72,7 +92,7 @@ impl Piece {
     /// # Errors
     /// A key is unknown, or a value not allowed.
     pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
-        self.read(|table| object::read_change(&table.allow(object::CHANGE_KEYS)?, &scene.materials))
+        self.read(|table| object::read_change(&table.allow(&object::change_keys())?, &scene.materials))
     }
 
     /// A film with the changes of a `[film]`.
@@ -80,7 +100,7 @@ impl Piece {
     /// # Errors
     /// A key is unknown, or a value out of its range.
     pub fn film(&self, film: Film) -> Result<Film, SceneError> {
-        self.read(|table| table.changed(film, settings::FILM))
+        self.read(|table| Film::DESCRIPTION.changed_by(film, table))
     }
 
     /// An integrator with the changes of an `[integrator]`.
@@ -88,7 +108,7 @@ impl Piece {
     /// # Errors
     /// A key is unknown, or a value out of its range.
     pub fn integrator(&self, integrator: Integrator) -> Result<Integrator, SceneError> {
-        self.read(|table| table.changed(integrator, settings::INTEGRATOR))
+        self.read(|table| Integrator::DESCRIPTION.changed_by(integrator, table))
     }
 
     /// A material of a scene with the changes of a `[[material]]`, which bring no files.
@@ -96,13 +116,10 @@ impl Piece {
     /// # Errors
     /// A key is unknown, a value out of its range, or a file is named.
     pub fn material(&self, material: &Material, unit: Unit) -> Result<Material, SceneError> {
-        let mut files = FileList::default();
+        let mut files = NamedFiles::default();
         let changed = self.changed_material(material, unit, &mut files)?;
-        match files.images.first() {
-            Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
-                .with_help("make a scene that has it")),
-            None => Ok(changed),
-        }
+        refuse_images(&files)?;
+        Ok(changed)
     }
 
     /// A material of a scene with the changes of a `[[material]]`, and the images that they bring: their numbers go on
@@ -116,7 +133,7 @@ impl Piece {
         material: &Material,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
-        let mut files = FileList::after(scene).opening();
+        let mut files = NamedFiles::after(scene).opening();
         let changed = self.changed_material(material, scene.unit, &mut files);
         let mut loading = Loading::unwatched(warnings);
         files.take_findings(&mut loading);
@@ -128,19 +145,30 @@ impl Piece {
         &self,
         material: &Material,
         unit: Unit,
-        files: &mut FileList,
+        files: &mut NamedFiles,
     ) -> Result<Material, SceneError> {
         let changed = self.read(|table| {
-            let table = table.allow(&material::keys())?;
+            let table = table.allow(&Material::keys())?;
             material::read_material(&table, material.clone(), unit, files)
         })?;
-        match files.tables.first() {
+        match files.list.tables.first() {
             Some(table) => {
                 Err(SceneError::at(table.place.clone(), "this scene takes no further tables of profiles")
                     .with_help("make a scene that has it"))
             }
             None => Ok(Material { name: material.name.clone(), ..changed }),
         }
+    }
+
+    /// The environment of an `[environment]` without a file.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, or a file is named.
+    pub fn environment(&self) -> Result<Environment, SceneError> {
+        let mut files = NamedFiles::default();
+        let environment = self.read_environment(&mut files)?;
+        refuse_images(&files)?;
+        Ok(environment)
     }
 
     /// The environment of an `[environment]`, and the image that it brings: its number goes on from those of the scene's
@@ -153,36 +181,46 @@ impl Piece {
         scene: &Scene,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
-        let mut files = FileList::after(scene);
+        let mut files = NamedFiles::after(scene);
         let environment = self.read_environment(&mut files)?;
         Ok((environment, self.all_images(&files, &mut Loading::unwatched(warnings))?))
     }
 
-    fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
-        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
+    fn read_environment(&self, files: &mut NamedFiles) -> Result<Environment, SceneError> {
+        self.read(|table| Environment::read(table, None, &mut files.list))
     }
 
-    fn all_images(&self, files: &FileList, loading: &mut Loading<'_>) -> Result<Vec<Arc<Image>>, SceneError> {
-        files.images.iter().map(|request| self.image(request, loading)).collect()
-    }
-
-    /// The image at hand or in a file.
-    fn image(
+    fn all_images(
         &self,
-        request: &FileRequest<ColorSpace>,
+        files: &NamedFiles,
         loading: &mut Loading<'_>,
-    ) -> Result<Arc<Image>, SceneError> {
-        let at_hand = self.images.iter().find(|image| Path::new(&image.name) == request.path);
-        // Floating-point values are linear in any case
-        let is_as_asked =
-            |image: &Image| image.color_space == request.kind || matches!(image.pixels, Pixels::Float(_));
-        match at_hand {
-            Some(image) if is_as_asked(image) => Ok(Arc::clone(image)),
-            Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
-            None => {
-                check_present(&request.path, &request.place)?;
-                read_image(&request.path, request.kind, loading).map(Arc::new)
-            }
+    ) -> Result<Vec<Arc<Image>>, SceneError> {
+        files.list.images.iter().map(|request| load_or_take(request, loading)).collect()
+    }
+}
+
+fn refuse_images(files: &NamedFiles) -> Result<(), SceneError> {
+    match files.list.images.first() {
+        Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
+            .with_help("make a scene that has it")),
+        None => Ok(()),
+    }
+}
+
+/// The image at hand or in a file.
+fn load_or_take(
+    request: &FileRequest<ColorSpace>,
+    loading: &mut Loading<'_>,
+) -> Result<Arc<Image>, SceneError> {
+    // Floating-point values are linear in any case
+    let is_as_asked =
+        |image: &Image| image.color_space == request.kind || matches!(image.pixels, Pixels::Float(_));
+    match &request.image {
+        Some(image) if is_as_asked(image) => Ok(Arc::clone(image)),
+        Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
+        None => {
+            check_present(&request.path, &request.place)?;
+            read_image(&request.path, request.kind, loading).map(Arc::new)
         }
     }
 }
@@ -205,7 +243,7 @@ impl SceneBuilder {
     pub fn set_subsurface_grouping(&mut self, piece: &Piece) -> Result<(), SceneError> {
         self.grouping = piece.read(|table| {
             let table = table.allow(&["subsurface_grouping"])?;
-            table.require("subsurface_grouping")?.word(&GROUPINGS)
+            table.require("subsurface_grouping")?.word::<Grouping>()
         })?;
         Ok(())
     }
@@ -215,10 +253,10 @@ impl SceneBuilder {
     /// # Errors
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
-        let mut files = FileList::default().opening();
+        let mut files = NamedFiles::default().opening();
         let unit = self.scene.unit;
         let new = piece.read(|table| {
-            let table = table.allow(&material::keys())?;
+            let table = table.allow(&Material::keys())?;
             table.require("name")?;
             material::read_material(&table, Material::default(), unit, &mut files)
         });
@@ -226,9 +264,9 @@ impl SceneBuilder {
         files.take_findings(&mut loading);
         let mut new = new?;
         Self::require_new_name(piece, &new.name, self.scene.materials.iter().map(|other| &other.name))?;
-        let (images, tables) = self.add_files(piece, &files, &mut loading)?;
+        let (images, tables) = self.add_files(&files, &mut loading)?;
         self.scene.files.append(&mut loading.into_files());
-        new.for_each_texture(|texture| texture.image = images[texture.image]);
+        new.for_each_image(|image| *image = images[*image]);
         if let SubsurfaceModel::Tabulated(table) = &mut new.subsurface_model {
             *table = tables[*table];
         }
@@ -312,10 +350,10 @@ impl SceneBuilder {
     /// # Errors
     /// As [`Piece::environment_with_images`], or a file cannot be used.
     pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
-        let mut files = FileList::default();
+        let mut files = NamedFiles::default();
         let mut environment = piece.read_environment(&mut files)?;
         let mut loading = Loading::unwatched(warnings);
-        let (images, _) = self.add_files(piece, &files, &mut loading)?;
+        let (images, _) = self.add_files(&files, &mut loading)?;
         self.scene.files.append(&mut loading.into_files());
         environment.image = environment.image.map(|image| images[image]);
         self.scene.environment = Some(environment);
@@ -352,26 +390,25 @@ impl SceneBuilder {
     /// Brings the files of a thing into the scene; the index that each of them has there.
     fn add_files(
         &mut self,
-        piece: &Piece,
-        files: &FileList,
+        files: &NamedFiles,
         loading: &mut Loading<'_>,
     ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
         let (mut images, mut tables) = (Vec::new(), Vec::new());
-        for request in &files.images {
+        for request in &files.list.images {
             let is_same = |(path, kind, _): &&(PathBuf, ColorSpace, usize)| {
                 *path == request.path && *kind == request.kind
             };
             let index = match self.files.images.iter().find(is_same) {
                 Some(&(_, _, index)) => index,
                 None => {
-                    self.scene.images.push(piece.image(request, loading)?);
+                    self.scene.images.push(load_or_take(request, loading)?);
                     self.scene.images.len() - 1
                 }
             };
             self.files.images.push((request.path.clone(), request.kind, index));
             images.push(index);
         }
-        for request in &files.tables {
+        for request in &files.list.tables {
             let index = match self.files.tables.iter().find(|(path, _)| *path == request.path) {
                 Some(&(_, index)) => index,
                 None => {
@@ -420,20 +457,22 @@ mod tests {
     fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
         let mut warnings = Vec::new();
         builder.add_material(
-            &Piece::new(
+            &Piece::parse(
                 "material wax",
                 "name = 'wax'\nsubsurface_weight = 1\nsubsurface_color = '#ff8800'\nsubsurface_scatter_anisotropy = 0.5",
-            ),
+            ).unwrap(),
             &mut warnings,
         )?;
-        let ball = Piece::new("object ball", "name = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\nscale = 2");
+        let ball =
+            Piece::parse("object ball", "name = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\nscale = 2")
+                .unwrap();
         builder.add_object(&ball, &mut warnings)?;
-        let box_ = Piece::new("object box", "shape = 'box'\ntranslate = [4, 0, 0]");
+        let box_ = Piece::parse("object box", "shape = 'box'\ntranslate = [4, 0, 0]").unwrap();
         builder.add_object(&box_, &mut warnings)?;
-        builder.set_film(&Piece::new("film", "size = [96, 64]\nexposure = 1"))?;
-        builder.set_integrator(&Piece::new("integrator", "seed = 7"))?;
+        builder.set_film(&Piece::parse("film", "size = [96, 64]\nexposure = 1").unwrap())?;
+        builder.set_integrator(&Piece::parse("integrator", "seed = 7").unwrap())?;
         let light = "type = 'sphere'\ncenter = [0, 9, 0]\nradius = 1\nradiance = 3";
-        builder.add_light(&Piece::new("light", light))
+        builder.add_light(&Piece::parse("light", light).unwrap())
     }
 
     #[test]
@@ -454,7 +493,7 @@ mod tests {
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
         let mut refuse = |title: &str, text: &str| {
-            let piece = Piece::new(title, text);
+            let piece = Piece::parse(title, text).unwrap();
             let error = match title.split(' ').next() {
                 Some("material") => builder.add_material(&piece, &mut Vec::new()),
                 Some("object") => builder.add_object(&piece, &mut Vec::new()),
@@ -488,10 +527,10 @@ mod tests {
             (
                 "object a",
                 "shape = 'cone'\nmaterial = 'vax'",
-                "object a: material is 'vax', but must be the name of a material",
+                "object a: material is \"vax\", but must be the name of a material",
             ),
             ("mesh a", "material = 'wax'", "mesh a: the mesh has no triangles"),
-            ("light 1", "type = 'sun'", "light 1: type is 'sun', but must be one of"),
+            ("light 1", "type = 'sun'", "light 1: type is \"sun\", but must be one of"),
         ] {
             let found = refuse(title, text);
             assert!(found.starts_with(message), "{found}\n{message}");
@@ -506,7 +545,7 @@ mod tests {
         let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
         std::fs::write(&file, text).unwrap();
         std::fs::write(directory.path().join("a.mtl"), "newmtl a\nKd 1 0 0\n").unwrap();
-        let piece = Piece::new("object a", &format!("file = {file:?}"));
+        let piece = Piece::parse("object a", &format!("file = {file:?}")).unwrap();
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
         let before = format!("{:?}", builder.scene());
@@ -534,8 +573,13 @@ mod tests {
             color_space: ColorSpace::Srgb,
             pixels,
         };
-        let text = "name = 'a'\nbase_color = {file = 'array 0'}\nspecular_roughness = {file = 'array 0'}";
-        let piece = Piece { images: vec![Arc::new(image)], ..Piece::new("material a", text) };
+        let texture = Value::from(vec![Entry::new("file", Arc::new(image))]);
+        let entries = vec![
+            Entry::new("name", "a"),
+            Entry::new("base_color", texture.clone()),
+            Entry::new("specular_roughness", texture),
+        ];
+        let piece = Piece::new("material a", entries);
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         builder.add_material(&piece, &mut Vec::new()).unwrap();
         let scene = builder.scene();
@@ -550,13 +594,13 @@ mod tests {
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
         let wax = builder.scene().materials[0].clone();
-        let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_eta = 1.3");
+        let edit = Piece::parse("material wax", "subsurface_radius = 3\nsubsurface_eta = 1.3").unwrap();
         let edited = edit.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
         // The scene had decided on the model, and does so again; a model that is named stays.
         let model = |material: &Material| material.model(&Integrator::default()).name();
         assert_eq!([model(&wax), model(&edited)], ["random-walk", "random-walk-rough"]);
-        let named = Piece::new("material wax", "subsurface_model = 'random-walk'");
+        let named = Piece::parse("material wax", "subsurface_model = 'random-walk'").unwrap();
         let named = named.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!(model(&edit.material(&named, Unit::Millimeter).unwrap()), "random-walk");
         for (text, message, with_images) in [
@@ -571,7 +615,7 @@ mod tests {
                 "this scene takes no further tables of profiles",
             ),
         ] {
-            let file = Piece::new("material wax", text);
+            let file = Piece::parse("material wax", text).unwrap();
             let error = file.material(&wax, Unit::Millimeter).unwrap_err();
             assert!(error.to_string().starts_with(&format!("material wax: {message}")), "{error}");
             let error = file.material_with_images(builder.scene(), &wax, &mut Vec::new()).unwrap_err();
@@ -586,21 +630,21 @@ mod tests {
             let color_space = ColorSpace::Linear;
             Arc::new(Image { name: name.into(), path: None, width: 1, height: 1, color_space, pixels })
         };
-        let piece = |title: &str, text: &str, name: &str| Piece {
-            images: vec![image(name)],
-            ..Piece::new(title, text)
-        };
+        let texture = |name: &str| vec![Entry::new("file", image(name))];
         let mut builder = SceneBuilder::new(Unit::Millimeter);
-        let first = piece("material a", "name = 'a'\nspecular_roughness = {file = 'first'}", "first");
+        let entries = vec![Entry::new("name", "a"), Entry::new("specular_roughness", texture("first"))];
+        let first = Piece::new("material a", entries);
         builder.add_material(&first, &mut Vec::new()).unwrap();
         let scene = builder.scene();
-        let second = piece("material a", "base_color = {file = 'second', color_space = 'linear'}", "second");
+        let mut texture = texture("second");
+        texture.push(Entry::new("color_space", "linear"));
+        let second = Piece::new("material a", vec![Entry::new("base_color", texture)]);
         let (edited, images) =
             second.material_with_images(scene, &scene.materials[0], &mut Vec::new()).unwrap();
         assert_eq!(images, [image("second")]);
         assert_eq!(edited.base_color.texture.unwrap().image, 1);
         assert_eq!(edited.specular_roughness.texture.unwrap().0.image, 0);
-        let sky = piece("environment", "file = 'sky'", "sky");
+        let sky = Piece::new("environment", vec![Entry::new("file", image("sky"))]);
         let (environment, images) = sky.environment_with_images(scene, &mut Vec::new()).unwrap();
         assert_eq!((environment.image, images), (Some(1), vec![image("sky")]));
     }

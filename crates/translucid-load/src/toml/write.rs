@@ -3,17 +3,14 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use glam::{Mat3, Vec3};
+use translucid_scene::description::{Content, Entry, Provenance, quoted};
 use translucid_scene::{
-    Camera, ColorInput, Light, Material, Object, PARAMETERS, Projection, Scene, SceneError, Slot,
-    SubsurfaceModel, Unit, WORD_PARAMETERS,
+    Camera, Environment, Film, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceModel, Unit,
 };
 
 use super::SceneFile;
-use super::document::{DocumentText, Setting};
 use super::extend::Base;
-use super::settings::{FILM, INTEGRATOR};
-use super::text::{color, number, numbers, quoted, vector};
+use super::parse::parse;
 
 /// What a written scene file extends: its keys `extends`, `preset` and `unit`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -72,15 +69,16 @@ impl ExtendedBase {
         // A camera that is chosen for the base fits the film's size
         let is_resized = [from.film.width, from.film.height] != [to.film.width, to.film.height];
         if from.camera != to.camera || is_resized {
-            text += &camera(&to.camera);
+            text += &table("\n[camera]\n", &Camera::DESCRIPTION.write(&to.camera));
         }
         let mut film = from.film;
         if film.filter != to.film.filter {
             // The filter brings a radius of its own
             film.filter_radius = f32::NAN;
         }
-        text += &table("\n[film]\n", &settings(FILM, &film, &to.film));
-        text += &table("\n[integrator]\n", &settings(INTEGRATOR, &from.integrator, &to.integrator));
+        text += &table("\n[film]\n", &Film::DESCRIPTION.write_changes(&film, &to.film));
+        let integrator = Integrator::DESCRIPTION.write_changes(&from.integrator, &to.integrator);
+        text += &table("\n[integrator]\n", &integrator);
         require_same_number("materials", from.materials.len(), to.materials.len())?;
         for (index, (old, new)) in from.materials.iter().zip(&to.materials).enumerate() {
             let header = chosen("material", index, from.materials.iter().map(|material| &material.name));
@@ -88,11 +86,8 @@ impl ExtendedBase {
         }
         require_same_number("objects", from.objects.len(), to.objects.len())?;
         for (index, (old, new)) in from.objects.iter().zip(&to.objects).enumerate() {
-            let lines = object(old, new, to)?;
-            if !lines.is_empty() {
-                text += &chosen("object", index, from.objects.iter().map(|object| &object.name));
-                text += &lines;
-            }
+            let header = chosen("object", index, from.objects.iter().map(|object| &object.name));
+            text += &table(&header, &object(old, new, to)?);
         }
         text += &in_tables.concat();
         verify(&text, from, to)?;
@@ -110,8 +105,9 @@ fn require_same_number(things: &str, from: usize, to: usize) -> Result<(), Scene
 }
 
 /// A table, if there is something in it.
-fn table(header: &str, lines: &str) -> String {
-    if lines.is_empty() { String::new() } else { format!("{header}{lines}") }
+fn table(header: &str, entries: &[Entry]) -> String {
+    let lines: String = entries.iter().map(|entry| format!("{entry}\n")).collect();
+    if lines.is_empty() { lines } else { format!("{header}{lines}") }
 }
 
 /// The header of a table that changes a thing of the base, by the name if no other has that.
@@ -124,104 +120,23 @@ fn chosen<'n>(kind: &str, index: usize, names: impl Iterator<Item = &'n String> 
     format!("\n[[{kind}]]\n{key}\n")
 }
 
-/// Lines of the settings that differ.
-fn settings<T>(list: &[Setting<T>], from: &T, to: &T) -> String {
-    let lines = list.iter().map(|Setting { key, write, .. }| (key, write(from), write(to)));
-    lines.filter(|(_, old, new)| old != new).map(|(key, _, new)| format!("{key} = {new}\n")).collect()
+/// The parameters that differ.
+fn material(from: &Material, to: &Material) -> Result<Vec<Entry>, SceneError> {
+    if let (old, new @ SubsurfaceModel::Tabulated(_)) = (from.subsurface_model, to.subsurface_model)
+        && old != new
+    {
+        return Err(unsaid(&format!("the table of material {}", to.name)));
+    }
+    Ok(Material::DESCRIPTION.write_changes(from, to))
 }
 
-fn camera(camera: &Camera) -> String {
-    let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = *camera;
-    let projection = match projection {
-        Projection::Perspective { horizontal_fov } => format!("fov = {}", number(horizontal_fov)),
-        Projection::Orthographic { width } => {
-            format!("projection = \"orthographic\"\nwidth = {}", number(width))
-        }
-    };
-    format!(
-        "\n[camera]\nposition = {}\ntarget = {}\nup = {}\n{projection}\nshift = [{}, {}]\nlens_radius = {}\nfocus_distance = {}\n",
-        vector(position),
-        vector(target),
-        vector(up),
-        number(shift.x),
-        number(shift.y),
-        number(lens_radius),
-        number(focus_distance)
-    )
-}
-
-/// Lines of the parameters that differ.
-fn material(from: &Material, to: &Material) -> Result<String, SceneError> {
-    let (mut old, mut new) = (from.clone(), to.clone());
-    let mut lines = String::new();
-    for parameter in PARAMETERS {
-        let (old, new) = (parameter.slot(&mut old), parameter.slot(&mut new));
-        if let Some(value) = input(&old, &new) {
-            lines += &format!("{} = {value}\n", parameter.name);
-        }
-    }
-    lines += &model(from, to)?;
-    for parameter in WORD_PARAMETERS.iter().filter(|one| one.word(from) != one.word(to)) {
-        lines += &format!("{} = {}\n", parameter.name, quoted(parameter.word(to)));
-    }
-    match (&from.geometry_normal, &to.geometry_normal) {
-        (Some(_), None) => lines += "geometry_normal = \"none\"\n",
-        (Some(old), Some(new)) if number(old.scale) != number(new.scale) => {
-            lines += &format!("geometry_normal = {{ scale = {} }}\n", number(new.scale));
-        }
-        _ => {}
-    }
-    Ok(lines)
-}
-
-/// The value of a parameter that differs. An image stays or goes; another one is noticed when the text is read back.
-fn input(old: &Slot<'_>, new: &Slot<'_>) -> Option<String> {
-    match (old, new) {
-        (Slot::Number(old), Slot::Number(new)) => Some(number(**new)).filter(|new| *new != number(**old)),
-        (Slot::Scalar(old), Slot::Scalar(new)) => {
-            let factor = number(new.factor);
-            let is_same = old.texture == new.texture && number(old.factor) == factor;
-            let value = if new.texture.is_some() { format!("{{ factor = {factor} }}") } else { factor };
-            (!is_same).then_some(value)
-        }
-        (Slot::Color(old), Slot::Color(new)) => color_input(old, new),
-        _ => None,
-    }
-}
-
-fn color_input(old: &ColorInput, new: &ColorInput) -> Option<String> {
-    let factor = color(new.factor);
-    let is_same_kind = old.texture == new.texture && old.vertex_color == new.vertex_color;
-    if is_same_kind && color(old.factor) == factor {
-        return None;
-    }
-    Some(match new.vertex_color {
-        true if new.texture.is_none() && new.factor == Vec3::ONE => String::from("\"vertex\""),
-        false if new.texture.is_none() => factor,
-        vertex_color => {
-            let is_removed = old.texture.is_some() && new.texture.is_none();
-            let file = if is_removed { "file = \"none\", " } else { "" };
-            format!("{{ {file}factor = {factor}, vertex_color = {vertex_color} }}")
-        }
-    })
-}
-
-/// The model, where it differs.
-fn model(from: &Material, to: &Material) -> Result<String, SceneError> {
-    match (from.subsurface_model, to.subsurface_model) {
-        (old, new) if old == new => Ok(String::new()),
-        (_, SubsurfaceModel::Tabulated(_)) => Err(unsaid(&format!("the table of material {}", to.name))),
-        (_, new) => Ok(format!("subsurface_model = {}\n", quoted(new.name()))),
-    }
-}
-
-fn object(from: &Object, to: &Object, scene: &Scene) -> Result<String, SceneError> {
+fn object(from: &Object, to: &Object, scene: &Scene) -> Result<Vec<Entry>, SceneError> {
     if from.material == to.material {
-        return Ok(String::new());
+        return Ok(Vec::new());
     }
-    let name = scene.materials.get(to.material).map(|material| quoted(&material.name));
-    name.map(|name| format!("material = {name}\n"))
-        .ok_or_else(|| unsaid(&format!("the material of object {}", to.name)))
+    let name = scene.materials.get(to.material).map(|material| material.name.as_str());
+    let name = name.ok_or_else(|| unsaid(&format!("the material of object {}", to.name)))?;
+    Ok(vec![Entry::new("material", name)])
 }
 
 /// Tables of all lights, if they differ; a line at the root where there are none any more.
@@ -235,55 +150,9 @@ fn lights(from: &Scene, to: &Scene) -> String {
 }
 
 fn light(light: &Light) -> String {
-    let shown = |visible: bool| if visible { "" } else { "visible = false\n" };
-    let lines = match *light {
-        Light::Rectangle { center, edge_x, edge_y, radiance, visible }
-        | Light::Ellipse { center, edge_x, edge_y, radiance, visible } => format!(
-            "center = {}\nedge_x = {}\nedge_y = {}\nradiance = {}\n{}",
-            vector(center),
-            vector(edge_x),
-            vector(edge_y),
-            color(radiance),
-            shown(visible)
-        ),
-        Light::Sphere { center, radius, radiance, visible } => format!(
-            "center = {}\nradius = {}\nradiance = {}\n{}",
-            vector(center),
-            number(radius),
-            color(radiance),
-            shown(visible)
-        ),
-        Light::Distant { direction, angular_radius, irradiance } => format!(
-            "{}angular_radius = {}\nirradiance = {}\n",
-            direction_line(direction),
-            number(angular_radius),
-            color(irradiance)
-        ),
-        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => format!(
-            "position = {}\n{}radius = {}\nintensity = {}\ninner_angle = {}\nouter_angle = {}\n{}",
-            vector(position),
-            direction_line(direction),
-            number(radius),
-            color(intensity),
-            number(inner_angle),
-            number(outer_angle),
-            shown(visible)
-        ),
-        Light::Beam { origin, direction, radius, power } => format!(
-            "origin = {}\n{}radius = {}\npower = {}\n",
-            vector(origin),
-            direction_line(direction),
-            number(radius),
-            color(power)
-        ),
-    };
-    format!("\n[[light]]\ntype = {}\n{lines}", quoted(light.kind()))
-}
-
-/// A direction, in the form that is not normalized where that would change its bits.
-fn direction_line(direction: Vec3) -> String {
-    let is_kept = direction.as_dvec3().try_normalize().map(|read| read.as_vec3()) == Some(direction);
-    format!("{} = {}\n", if is_kept { "direction" } else { "unit_direction" }, vector(direction))
+    let mut entries = light.write();
+    entries.retain(|entry| entry.value.content != Content::Flag(true));
+    table("\n[[light]]\n", &entries)
 }
 
 /// The table of an environment that differs, without a file where it keeps its image; a line at the root where there is
@@ -294,42 +163,22 @@ fn environment(from: &Scene, to: &Scene, file: Option<&str>) -> Result<String, S
     }
     let Some(new) = &to.environment else { return Ok(String::from("environment = \"none\"\n")) };
     let file = match new.image {
-        image if image == from.environment.and_then(|old| old.image) => String::new(),
-        None => String::from("file = \"none\"\n"),
+        image if image == from.environment.and_then(|old| old.image) => None,
+        None => Some("none"),
         Some(image) => {
             let file = file.filter(|_| image >= from.images.len());
-            let file = file.ok_or_else(|| unsaid("the image of the environment, without a file for it,"))?;
-            format!("file = {}\n", quoted(file))
+            Some(file.ok_or_else(|| unsaid("the image of the environment, without a file for it,"))?)
         }
     };
-    let base = from.environment.filter(|_| file.is_empty()).unwrap_or_default();
-    let mut lines = format!("{file}radiance = {}\n", color(new.radiance));
-    if bits(new.world_from_environment) != bits(base.world_from_environment) {
-        lines += &rotation(new.world_from_environment);
-    }
-    if new.visible != base.visible {
-        lines += &format!("visible = {}\n", new.visible);
-    }
-    Ok(format!("\n[environment]\n{lines}"))
-}
-
-fn bits(matrix: Mat3) -> [u32; 9] {
-    matrix.to_cols_array().map(f32::to_bits)
-}
-
-fn rotation(matrix: Mat3) -> String {
-    match degrees(matrix) {
-        Some(angle) => format!("rotation = {}\n", number(angle)),
-        None => format!("matrix = {}\n", numbers(&matrix.transpose().to_cols_array())),
-    }
-}
-
-/// The angle about y that gives the very bits of a rotation, with few digits if there is such a one.
-fn degrees(rotation: Mat3) -> Option<f32> {
-    let angle = libm::atan2(f64::from(rotation.z_axis.x), f64::from(rotation.z_axis.z)).to_degrees();
-    let rounded = (0..6).map(|digits| 10_f64.powi(digits)).map(|unit| ((angle * unit).round() / unit) as f32);
-    let exact = (-4..=4).map(|step| f32::from_bits((angle as f32).to_bits().wrapping_add_signed(step)));
-    rounded.chain(exact).find(|angle| bits(Mat3::from_rotation_y(angle.to_radians())) == bits(rotation))
+    let base = from.environment.filter(|_| file.is_none()).unwrap_or_default();
+    let mut entries: Vec<Entry> = file.into_iter().map(|file| Entry::new("file", file)).collect();
+    let changes = Environment::DESCRIPTION.write_changes(&base, new);
+    // The radiance is written in any case: a new environment may need it
+    let all = Environment::DESCRIPTION.write(new);
+    let is_written =
+        |entry: &Entry| entry.key == "radiance" || changes.iter().any(|other| other.key == entry.key);
+    entries.extend(all.into_iter().filter(is_written));
+    Ok(table("\n[environment]\n", &entries))
 }
 
 fn unsaid(what: &str) -> SceneError {
@@ -382,8 +231,9 @@ fn without_meshes(scene: &Scene) -> Scene {
 
 /// Reads the text back, as changes of the base: it must give what was to be written.
 fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
-    let source = DocumentText::of_part("the scene to be written", text);
-    let read = SceneFile::of(&source, Base::Known(Box::new(without_meshes(from))), None)?;
+    let source = Provenance::file("the scene to be written".as_ref(), text);
+    let entries = parse(&source)?.into();
+    let read = SceneFile::of(source, entries, Base::Known(Box::new(without_meshes(from))), None)?;
     let mut environment = to.environment;
     if let Some(image) = environment.as_mut().and_then(|environment| environment.image.as_mut()) {
         // The only new image that is written

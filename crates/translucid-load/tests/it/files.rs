@@ -69,7 +69,7 @@ fn scene_of_text_and_pieces_knows_what_these_name() {
     let of_mesh: BTreeSet<PathBuf> = ["a.hdr", "a.mtl", "a.obj"].map(|name| folder.path().join(name)).into();
     assert_eq!(file.load(&LoadOptions::default(), &mut Vec::new()).unwrap().files, of_mesh);
     let mut builder = SceneBuilder::new(Unit::Millimeter);
-    let piece = Piece::new("object a", &format!("file = '{}'", mesh.display()));
+    let piece = Piece::parse("object a", &format!("file = '{}'", mesh.display())).unwrap();
     builder.add_object(&piece, &mut Vec::new()).unwrap();
     assert_eq!(builder.build(&LoadOptions::default()).unwrap().files, of_mesh);
 }

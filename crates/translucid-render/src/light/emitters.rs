@@ -78,6 +78,39 @@ impl PlacedLight {
         matches!(self, Self::Rectangle(_) | Self::Ellipse(_) | Self::Sphere(_))
     }
 
+    /// Distance along a ray, from its origin in its direction, to the surface, and the radiance that it sends back along
+    /// it; `counts` decides by whether the camera sees the light.
+    #[inline]
+    pub(crate) fn intersect(
+        &self,
+        (origin, direction): (Vec3, Vec3),
+        counts: impl Fn(bool) -> bool,
+    ) -> Option<(f32, Vec3)> {
+        match self {
+            Self::Rectangle(shape) if counts(shape.visible) => {
+                Some((shape.intersect(origin, direction)?, shape.radiance))
+            }
+            Self::Ellipse(shape) if counts(shape.visible()) => {
+                Some((shape.intersect(origin, direction)?, shape.radiance()))
+            }
+            Self::Sphere(shape) if counts(shape.visible) => {
+                Some((shape.intersect(origin, direction)?, shape.radiance_toward(-direction)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Solid-angle density with which a light that is a surface is sampled toward a place on it.
+    #[inline]
+    pub(crate) fn pdf(&self, point: Vec3, place: Vec3) -> f32 {
+        match self {
+            Self::Rectangle(light) => light.pdf(point, place),
+            Self::Ellipse(light) => light.pdf(point, place),
+            Self::Sphere(light) => light.pdf(point, place),
+            _ => 0.0,
+        }
+    }
+
     /// Estimate of the irradiance (luminance) at a point; 0 only if the light cannot contribute.
     #[inline]
     fn importance(&self, receiver: &Receiver) -> f32 {
@@ -108,7 +141,8 @@ impl PlacedLight {
         }
     }
 
-    fn bounds(&self) -> Option<LightBounds> {
+    /// Its bounds; none at infinity.
+    pub(crate) fn bounds(&self) -> Option<LightBounds> {
         match self {
             Self::Rectangle(light) => Some(light.bounds()),
             Self::Ellipse(light) => Some(light.bounds()),

@@ -109,12 +109,8 @@ impl LightHit {
     /// Solid-angle density with which [`LightSet::sample`] at a point with a normal makes the direction toward
     /// this hit, selection included.
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
-        let density = match lights.emitters.sources.get(self.light) {
-            Some(PlacedLight::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
-            Some(PlacedLight::Ellipse(ellipse)) => ellipse.pdf(point, self.position),
-            Some(PlacedLight::Sphere(sphere)) => sphere.pdf(point, self.position),
-            _ => 0.0,
-        };
+        let source = lights.emitters.sources.get(self.light);
+        let density = source.map_or(0.0, |source| source.pdf(point, self.position));
         finite_product(lights.probability(&Receiver { point, normal }, self.light), density)
     }
 }

@@ -88,18 +88,7 @@ fn intersect(
     counts: impl Fn(bool) -> bool,
 ) -> Option<LightHit> {
     let light = light as usize;
-    let (t, radiance) = match &sources[light] {
-        PlacedLight::Rectangle(shape) if counts(shape.visible) => {
-            (shape.intersect(origin, direction)?, shape.radiance)
-        }
-        PlacedLight::Ellipse(shape) if counts(shape.visible()) => {
-            (shape.intersect(origin, direction)?, shape.radiance())
-        }
-        PlacedLight::Sphere(shape) if counts(shape.visible) => {
-            (shape.intersect(origin, direction)?, shape.radiance_toward(-direction))
-        }
-        _ => return None,
-    };
+    let (t, radiance) = sources[light].intersect((origin, direction), counts)?;
     Some(LightHit { t, radiance, position: origin + direction * t, light })
 }
 
@@ -188,12 +177,7 @@ struct LightBox(Aabb);
 
 impl LightBox {
     fn new(sources: &[PlacedLight], light: u32) -> Option<Self> {
-        let bounds = match &sources[light as usize] {
-            PlacedLight::Rectangle(shape) => shape.bounds(),
-            PlacedLight::Ellipse(shape) => shape.bounds(),
-            PlacedLight::Sphere(shape) => shape.bounds(),
-            _ => return None,
-        };
+        let bounds = sources[light as usize].bounds()?;
         // It differs between lights, since the builder takes quadratic time over equal boxes.
         let jitter = (light.wrapping_mul(0x9e37_79b9) >> 28) as f32 * f32::EPSILON;
         let (low, high) = (Vec3A::from(bounds.low), Vec3A::from(bounds.high));

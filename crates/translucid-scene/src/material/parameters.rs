@@ -1,137 +1,153 @@
-//! The parameters of a material that are numbers: the one list for loaders and checks.
+//! The parameters of a material by their keys.
 
-use std::slice;
+use super::{CameraVisibility, Material, SubsurfaceNormalization, SubsurfaceTextureAt};
+use crate::SceneError;
+use crate::description::{Counts, Fallback, Key, List, Part, Slot, Thing, Word, field};
+use crate::interval::Interval;
+use crate::material::{Configuration, SubsurfaceParameter};
 
-use super::{Material, SubsurfaceModel};
-use crate::interval::{Interval, check_index};
-use crate::{ColorInput, NormalMap, ScalarInput, SceneError, TextureRef};
+use Fallback::{Plain, Words};
 
-/// A parameter that is a number, a scalar with an image or a color with an image.
-pub struct Parameter {
-    /// The field's name, which is the key in scene files, too.
-    pub name: &'static str,
-    /// Range of the number, or of each channel, where there is no image.
-    pub range: Interval,
-    slot: fn(&mut Material) -> Slot<'_>,
+impl Word for SubsurfaceParameter {
+    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
 }
 
-/// The place of a parameter in a material.
-pub enum Slot<'a> {
-    /// A number.
-    Number(&'a mut f32),
-    /// A scalar, which may have an image.
-    Scalar(&'a mut ScalarInput),
-    /// A color, which may have an image.
-    Color(&'a mut ColorInput),
+impl Word for Configuration {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
 }
 
-macro_rules! conversions {
-    ($($input:ty => $variant:ident),*) => {
-        $(impl<'a> From<&'a mut $input> for Slot<'a> {
-            fn from(slot: &'a mut $input) -> Self {
-                Self::$variant(slot)
-            }
-        })*
-    };
+impl Word for SubsurfaceTextureAt {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("exit", Self::Exit), ("entry", Self::Entry), ("both", Self::Both)];
 }
 
-conversions!(f32 => Number, ScalarInput => Scalar, ColorInput => Color);
-
-impl Slot<'_> {
-    /// The number, or the factors of all channels.
-    fn numbers(&mut self) -> &mut [f32] {
-        match self {
-            Self::Number(number) => slice::from_mut(number),
-            Self::Scalar(input) => slice::from_mut(&mut input.factor),
-            Self::Color(input) => input.factor.as_mut(),
-        }
-    }
-
-    /// The reference to an image.
-    fn texture(&mut self) -> Option<&mut TextureRef> {
-        match self {
-            Self::Number(_) => None,
-            Self::Scalar(input) => input.texture.as_mut().map(|(texture, _)| texture),
-            Self::Color(input) => input.texture.as_mut(),
-        }
-    }
-
-    /// Range of the numbers, for a parameter with a range of its own: what they multiply counts, too.
-    fn range(&self, own: Interval) -> Interval {
-        match self {
-            Self::Scalar(ScalarInput { texture: Some(_), .. }) => ScalarInput::TEXTURED,
-            Self::Color(input) if input.texture.is_some() || input.vertex_color => ColorInput::TEXTURED,
-            _ => own,
-        }
-    }
+impl Word for SubsurfaceNormalization {
+    const WORDS: &'static [(&'static str, Self)] = &[("none", Self::None), ("energy", Self::Energy)];
 }
 
-macro_rules! parameters {
-    ($($name:ident in $range:expr,)*) => {
-        /// Every parameter that is a number, in the order of the fields.
-        pub const PARAMETERS: &[Parameter] = &[$(Parameter {
-            name: stringify!($name),
-            range: $range,
-            slot: |material| (&mut material.$name).into(),
-        }),*];
-    };
+impl Word for CameraVisibility {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("surface", Self::Surface), ("shadow", Self::Shadow), ("none", Self::None)];
 }
 
-parameters! {
-    base_weight in Interval::UNIT,
-    base_color in Interval::UNIT,
-    base_metalness in Interval::UNIT,
-    specular_weight in Interval::UNIT,
-    specular_color in Interval::UNIT,
-    specular_roughness in Interval::UNIT,
-    specular_ior in Interval::IOR,
-    transmission_weight in Interval::UNIT,
-    transmission_color in Interval::UNIT,
-    transmission_depth in Interval::LENGTH,
-    subsurface_weight in Interval::UNIT,
-    subsurface_color in Interval::UNIT,
-    subsurface_radius in Interval::LENGTH,
-    subsurface_radius_scale in Interval::FACTOR,
-    subsurface_scatter_anisotropy in Interval::open(-1.0, 1.0),
-    subsurface_eta in Interval::closed(0.5, 3.0),
-    subsurface_flights in Interval::closed(2.0, 65536.0),
-    coat_weight in Interval::UNIT,
-    coat_color in Interval::UNIT,
-    coat_roughness in Interval::UNIT,
-    coat_ior in Interval::IOR,
-    emission_luminance in Interval::LIGHT,
-    emission_color in Interval::FACTOR,
-    geometry_opacity in Interval::UNIT,
-}
+const MODEL: &[Key] = &[
+    Key {
+        name: "subsurface_model",
+        doc: "a model of the list below, or `\"none\"` (Lambertian)",
+        fallback: Words("`\"default\"`, which is a [random walk or a profile](#which-model-by-default)"),
+    },
+    Key {
+        name: "subsurface_table",
+        doc: "path of a CSV file with a profile of your own, in place of `subsurface_model`",
+        fallback: Words("–"),
+    },
+];
 
-impl Parameter {
-    /// The parameter's place in a material.
-    pub fn slot<'a>(&self, material: &'a mut Material) -> Slot<'a> {
-        (self.slot)(material)
-    }
-}
-
-/// A parameter of a material with its value, for those who show or list them all.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParameterValue {
-    /// Its name, which is the key in scene files, too.
-    pub name: &'static str,
-    /// Least and greatest value of each channel where there is no image; either may itself be excluded.
-    pub range: [f64; 2],
-    /// The number, or the three channels of a color; with an image or vertex colors the factor on these.
-    pub numbers: Vec<f32>,
-    /// Whether an image has a part in it.
-    pub has_image: bool,
-    /// Whether the mesh's vertex colors have.
-    pub has_vertex_color: bool,
-}
-
-impl NormalMap {
-    /// Range of `scale`.
-    pub const SCALE: Interval = Interval::closed(-100.0, 100.0);
-}
+const NORMAL: &[Key] =
+    &[Key { name: "geometry_normal", doc: "path of a normal map, or a table", fallback: Words("none") }];
 
 impl Material {
+    /// The keys of a material besides its parameters: its name, and the origin of what it does not state.
+    pub const ORIGIN_KEYS: &[Key] = &[
+        Key { name: "name", doc: "text, unique among the materials", fallback: Words("must be given") },
+        Key {
+            name: "preset",
+            doc: "name of a preset, which gives the defaults of all other keys; its lengths are converted to the scene's unit",
+            fallback: Words("none"),
+        },
+        Key {
+            name: "file",
+            doc: "path of a [MaterialX document](materials.md#from-materialx) (.mtlx) in place of a preset: its material gives the defaults of all other keys",
+            fallback: Words("none"),
+        },
+        Key {
+            name: "file_material",
+            doc: "name of the material in the document",
+            fallback: Words("the only one"),
+        },
+        Key {
+            name: "file_unit",
+            doc: "unit of the document's lengths that state none: `\"mm\"`, `\"cm\"` or `\"m\"`",
+            fallback: Words("the scene's, with a warning"),
+        },
+    ];
+
+    /// The parameters by their keys.
+    pub const DESCRIPTION: Thing<Self> = Thing {
+        name: "material",
+        doc: "a surface with the parameter names of OpenPBR",
+        plain: Self::default,
+        fields: &[
+            field!(Material { base_weight } => Slot::Number(base_weight, Interval::UNIT),
+                "number {range}", Plain),
+            field!(Material { base_color } => Slot::Color(base_color, Interval::UNIT),
+                "color {range}: diffuse albedo, or a metal's reflectance", Plain),
+            field!(Material { base_metalness } => Slot::Scalar(base_metalness, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { specular_weight } => Slot::Scalar(specular_weight, Interval::UNIT),
+                "scalar {range}; 0 removes the interface", Plain),
+            field!(Material { specular_color } => Slot::Color(specular_color, Interval::UNIT),
+                "color {range}", Plain),
+            field!(Material { specular_roughness } => Slot::Scalar(specular_roughness, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { specular_ior } => Slot::Number(specular_ior, Interval::IOR),
+                "number {range}", Plain),
+            field!(Material { transmission_weight } => Slot::Scalar(transmission_weight, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { transmission_color } => Slot::Color(transmission_color, Interval::UNIT),
+                "color {range}", Plain),
+            field!(Material { transmission_depth } => Slot::Length(transmission_depth, Interval::LENGTH),
+                "length ≥ 0 at which `transmission_color` is reached; 0 tints each crossing", Plain),
+            field!(Material { subsurface_weight } => Slot::Scalar(subsurface_weight, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { subsurface_color } => Slot::Color(subsurface_color, Interval::UNIT),
+                "color {range}: surface albedo A", Plain),
+            field!(Material { subsurface_radius } => Slot::Scalar(subsurface_radius, Interval::LENGTH),
+                "scalar, a length ≥ 0: mean free path ℓ, or ℓ_d", Plain),
+            field!(Material { subsurface_radius_scale } => Slot::Color(subsurface_radius_scale, Interval::FACTOR),
+                "color {range}: factor on it for each channel", Plain),
+            field!(Material { subsurface_scatter_anisotropy } => Slot::Number(subsurface_scatter_anisotropy, Interval::open(-1.0, 1.0)),
+                "mean cosine g {range}, for models that know a phase function", Plain),
+            field!(Material { subsurface_eta } => Slot::Number(subsurface_eta, Interval::closed(0.5, 3.0)),
+                "relative index of refraction {range} at the inside of the surface, for models that know a boundary; 1 is index-matched, whatever `specular_ior` is", Plain),
+            field!(Material { subsurface_flights } => Slot::Number(subsurface_flights, Interval::closed(2.0, 65536.0)),
+                "flights after which a random walk is given up, a whole number {range}; fewer make bright materials darker", Plain),
+            field!(Material { coat_weight } => Slot::Scalar(coat_weight, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { coat_color } => Slot::Color(coat_color, Interval::UNIT),
+                "color {range}", Plain),
+            field!(Material { coat_roughness } => Slot::Scalar(coat_roughness, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { coat_ior } => Slot::Number(coat_ior, Interval::IOR), "number {range}", Plain),
+            field!(Material { emission_luminance } => Slot::Number(emission_luminance, Interval::LIGHT),
+                "number ≥ 0: factor on `emission_color`", Plain),
+            field!(Material { emission_color } => Slot::Color(emission_color, Interval::FACTOR),
+                "color {range}; times the factor the emitted radiance", Plain),
+            field!(Material { geometry_opacity } => Slot::Scalar(geometry_opacity, Interval::UNIT),
+                "scalar {range}", Plain),
+            field!(Material { subsurface_model } => Slot::Model(subsurface_model); MODEL),
+            field!(Material { subsurface_parameter } => Slot::Word(subsurface_parameter),
+                "`\"mfp\"`: the radius is ℓ in the volume; `\"dmfp\"`: ℓ_d on the surface", Plain),
+            field!(Material { subsurface_configuration } => Slot::Word(subsurface_configuration),
+                "`\"searchlight\"` or `\"diffuse\"`: the incident light that the profile is made for, for models that tell the two apart", Plain),
+            field!(Material { subsurface_texture_at } => Slot::Word(subsurface_texture_at),
+                "`\"exit\"`, `\"entry\"` or `\"both\"`: whose A and ℓ count where textures or vertex colors give entry and exit point different ones ([what they look like](../accuracy/textures.md))", Plain),
+            field!(Material { subsurface_normalization } => Slot::Word(subsurface_normalization),
+                "`\"none\"`, or `\"energy\"`: any shape returns A in uniform light, however thin or curved, at many times the rendering time ([when to use it](../accuracy/thin-parts.md))", Plain),
+            field!(Material { camera_visibility } => Slot::Word(camera_visibility),
+                "what the camera sees of it: `\"surface\"`; `\"shadow\"`, only the shadows on it, black with the share of direct light that is missing as alpha; `\"none\"`. Other rays meet it as it is", Plain),
+            field!(Material { geometry_normal } => Slot::NormalMap(geometry_normal); NORMAL),
+        ],
+        rules: &[],
+    };
+
+    /// Every key.
+    pub fn keys() -> Vec<&'static str> {
+        let origin = Self::ORIGIN_KEYS.iter().map(|key| key.name);
+        origin.chain(Self::DESCRIPTION.keys()).collect()
+    }
+
     /// Checks every field in a scene of so many images and profile tables.
     ///
     /// # Errors
@@ -150,68 +166,33 @@ impl Material {
     }
 
     pub(crate) fn check(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
-        let mut copy = self.clone();
-        for parameter in PARAMETERS {
-            let mut slot = parameter.slot(&mut copy);
-            let range = slot.range(parameter.range);
-            match slot.numbers() {
-                [number] => range.check(parameter.name, *number)?,
-                channels => range.check_all(parameter.name, channels)?,
-            }
-            slot.texture().map_or(Ok(()), |texture| texture.check(parameter.name, images))?;
-        }
-        if let SubsurfaceModel::Tabulated(table) = self.subsurface_model {
-            check_index("subsurface_model.tabulated", table, profile_tables, "profile tables")?;
-        }
-        if let Some(NormalMap { texture, scale }) = &self.geometry_normal {
-            NormalMap::SCALE.check("geometry_normal.scale", *scale)?;
-            texture.check("geometry_normal", images)?;
-        }
-        Ok(())
-    }
-
-    /// Every parameter that is a number or a color, in the order of the fields.
-    pub fn parameters(&self) -> Vec<ParameterValue> {
-        let mut copy = self.clone();
-        let value = |parameter: &Parameter| {
-            let mut slot = parameter.slot(&mut copy);
-            ParameterValue {
-                name: parameter.name,
-                range: [parameter.range.low, parameter.range.high],
-                numbers: slot.numbers().to_vec(),
-                has_image: slot.texture().is_some(),
-                has_vertex_color: matches!(&slot, Slot::Color(input) if input.vertex_color),
-            }
-        };
-        PARAMETERS.iter().map(value).collect()
+        Self::DESCRIPTION.check(self, Counts { images, profile_tables })
     }
 
     /// Every reference to an image.
-    pub fn for_each_texture(&mut self, mut visit: impl FnMut(&mut TextureRef)) {
-        for parameter in PARAMETERS {
-            parameter.slot(self).texture().map(&mut visit);
-        }
-        self.geometry_normal.iter_mut().for_each(|map| visit(&mut map.texture));
+    pub fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
+        Self::DESCRIPTION.visit(self, &mut |_, part| {
+            if let Part::Index(index, List::Images) = part {
+                visit(index);
+            }
+        });
     }
 
     /// Brings every number into its range; what that changed, in words.
     pub fn clamp(&mut self) -> Vec<String> {
         let mut changes = Vec::new();
-        let mut clamp = |name: &str, number: &mut f32, range: Interval| {
+        Self::DESCRIPTION.visit(self, &mut |name, part| {
+            let Part::Number(number, range) = part else { return };
+            if name.contains(".texture") {
+                return;
+            }
             let nearest = range.nearest(*number);
             if nearest != *number {
+                let name = name.trim_end_matches(|c: char| "[]0123456789".contains(c));
                 changes.push(format!("{name} is {number}, but must be in {range}: it becomes {nearest}"));
                 *number = nearest;
             }
-        };
-        for parameter in PARAMETERS {
-            let mut slot = parameter.slot(self);
-            let range = slot.range(parameter.range);
-            slot.numbers().iter_mut().for_each(|number| clamp(parameter.name, number, range));
-        }
-        if let Some(map) = &mut self.geometry_normal {
-            clamp("geometry_normal.scale", &mut map.scale, NormalMap::SCALE);
-        }
+        });
         changes
     }
 }
@@ -221,18 +202,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_hold_every_field_that_is_a_number() {
+    fn description_holds_every_field() {
         let shown = format!("{:#?}", Material::default());
         // Fields of the material itself are indented once.
         let fields =
             shown.lines().filter_map(|line| line.strip_prefix("    ").filter(|l| !l.starts_with(' ')));
-        let numbers = fields.filter_map(|line| line.split_once(": ")).filter(|(_, value)| {
-            let is_number = value.trim_end_matches(',').parse::<f32>().is_ok();
-            is_number || value.starts_with("ScalarInput") || value.starts_with("ColorInput")
-        });
-        let names: Vec<&str> = numbers.map(|(name, _)| name).collect();
-        let listed: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
-        assert_eq!(names, listed);
+        let names = fields.filter_map(|line| line.split_once(": ").map(|(name, _)| name));
+        let described = Material::keys();
+        assert_eq!(names.filter(|name| !described.contains(name)).collect::<Vec<_>>(), Vec::<&str>::new());
     }
 
     #[test]

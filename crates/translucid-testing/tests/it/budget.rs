@@ -2,11 +2,13 @@
 //!
 //! A commit that needs more says why, and raises the number of its crate here.
 
+#![allow(clippy::print_stdout, reason = "the counts are for those who ask with --nocapture")]
+
 use crate::imports;
 
 /// Crates with the lines of code that each may have: without tests, comments and empty lines.
 const BUDGETS: [(&str, usize); 19] = [
-    ("translucid-broken-scenes", 500),
+    ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
     ("translucid-cli", 7100),
     ("translucid-display", 100),
@@ -15,16 +17,16 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-fit", 1200),
     ("translucid-image", 800),
     ("translucid-laboratory", 4200),
-    ("translucid-load", 9400),
+    ("translucid-load", 8500),
     ("translucid-measure", 3600),
     ("translucid-profile", 7900),
     ("translucid-python", 4600),
     ("translucid-reference", 5700),
     ("translucid-render", 15400),
-    ("translucid-scene", 2100),
+    ("translucid-scene", 3500),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
-    ("translucid-view", 2700),
+    ("translucid-view", 2600),
 ];
 
 #[test]

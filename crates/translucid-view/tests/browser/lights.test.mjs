@@ -119,7 +119,7 @@ test("lights of every kind are added, turned, removed, and come back by undo", a
     const kinds = ["rectangle", "ellipse", "sphere", "distant", "spot", "point", "beam"];
     for (const [i, kind] of kinds.entries()) {
         await changes(`${kind} added`, () => view.adds(kind));
-        assert.equal((await light(first + i)).kind, kind === "point" ? "spot" : kind);
+        assert.equal((await light(first + i)).type, kind === "point" ? "spot" : kind);
         await view.page.locator(`#section-light-${first + i}[open]`).waitFor();
     }
     assert.match(await view.page.locator(`#section-light-${first + 5} summary`).textContent(), /^Point/);

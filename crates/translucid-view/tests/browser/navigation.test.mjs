@@ -60,7 +60,7 @@ for (const [name, how] of [["middle", { button: "middle" }], ["shift", { modifie
         near(distance(after), distance(before));
         near(after.position.map((x, i) => x - before.position[i]), after.target.map((x, i) => x - before.target[i]), 1e-3);
         // A fifth of what the camera sees at the target
-        const width = 2 * distance(before) * Math.tan((before.projection.fov * Math.PI) / 360);
+        const width = 2 * distance(before) * Math.tan((before.fov * Math.PI) / 360);
         near(Math.hypot(...after.target.map((x, i) => x - before.target[i])), 0.2 * width, 0.02);
         await view.agrees("pan");
     });

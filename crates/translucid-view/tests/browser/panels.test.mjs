@@ -142,7 +142,7 @@ test("the scale bar is as long as it says", async () => {
     const [bar, stage] = await Promise.all(["#bar", "#stage"].map((id) => page.locator(id).boundingBox()));
     const { camera } = await view.state();
     const far = Math.hypot(...camera.position.map((x, i) => x - camera.target[i]));
-    const seen = 10 * 2 * far * Math.tan((camera.projection.fov * Math.PI) / 360);
+    const seen = 10 * 2 * far * Math.tan((camera.fov * Math.PI) / 360);
     assert.ok(Math.abs(millimeters / seen - bar.width / stage.width) < 0.01);
 });
 

@@ -78,7 +78,7 @@ test("camera: field of view, lens, focus, distance, places", async () => {
     await changes("position", () => view.type("camera-position-y", 8));
     await changes("target", () => view.type("camera-target-x", 1));
     const { camera } = await view.state();
-    assert.ok(Math.abs(camera.projection.fov - 50) < 1e-4 && Math.abs(camera.position[1] - 8) < 1e-4 && camera.target[0] === 1);
+    assert.ok(Math.abs(camera.fov - 50) < 1e-4 && Math.abs(camera.position[1] - 8) < 1e-4 && camera.target[0] === 1);
 });
 
 test("every layer is another picture, and the saved one is that on the screen", async () => {

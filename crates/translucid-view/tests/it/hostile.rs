@@ -11,7 +11,7 @@ fn messages() -> Vec<Value> {
         "position": [0.0, 20.0, 70.0],
         "target": [0.0, 9.0, 0.0],
         "up": [0.0, 1.0, 0.0],
-        "projection": { "kind": "perspective", "fov": 40.0 },
+        "fov": 40.0,
         "shift": [0.0, 0.0],
         "lens_radius": 0.0,
         "focus_distance": 60.0,
@@ -19,7 +19,7 @@ fn messages() -> Vec<Value> {
     vec![
         json!({"type":"material","index":3,"set":{"subsurface_radius":0.5,"subsurface_color":[0.5,0.4,0.3]},"gesture":1}),
         json!({"type":"material","index":4,"set":{"preset":"jade","subsurface_model":"dipole"}}),
-        json!({"type":"light","index":0,"light":{"kind":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}),
+        json!({"type":"light","index":0,"light":{"type":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}),
         json!({"type":"environment","environment":{"radiance":[1,1,1],"image":null,"rotation":30,"visible":false}}),
         json!({"type":"integrator","set":{"samples_per_pixel":2,"subsurface_sharing":false,"seed":7}}),
         json!({"type":"film","set":{"exposure":1.5,"tone_mapping":"agx","size":[24,16]}}),

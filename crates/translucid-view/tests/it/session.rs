@@ -81,7 +81,7 @@ fn saved_scene_renders_to_the_pixels_of_the_page() {
     client.apply(json!({"type":"integrator","set":{"max_diffuse_depth":2,"seed":11}}));
     let mut camera = client.state["camera"].clone();
     camera["position"] = json!([-9.37, 21.3, 61.1]);
-    camera["projection"]["fov"] = json!(37.7);
+    camera["fov"] = json!(37.7);
     camera["shift"] = json!([0.05, -0.1]);
     let version = client.apply(json!({"type":"camera","camera":camera}));
     let frame = client.finished(0, version);
@@ -156,8 +156,8 @@ fn lights_come_and_go_and_the_saved_scene_has_them() {
     let mut client = served.connect();
     let count = client.state["sides"]["a"]["lights"].as_array().unwrap().len();
     let sun =
-        json!({"kind":"distant","direction":[0.0,0.6,0.8],"angular_radius":0.5,"irradiance":[2.0,1.5,1.0]});
-    let bulb = json!({"kind":"spot","position":[0,40,30],"direction":[0,-0.8,-0.6],"intensity":[900,900,900],
+        json!({"type":"distant","direction":[0.0,0.6,0.8],"angular_radius":0.5,"irradiance":[2.0,1.5,1.0]});
+    let bulb = json!({"type":"spot","position":[0,40,30],"direction":[0,-0.8,-0.6],"intensity":[900,900,900],
         "inner_angle":0,"outer_angle":180,"radius":1.5,"visible":false});
     client.apply(json!({"type":"add_light","light":sun}));
     client.apply(json!({"type":"add_light","light":bulb}));
@@ -175,9 +175,12 @@ fn lights_come_and_go_and_the_saved_scene_has_them() {
 
     for (message, words) in [
         (json!({"type":"remove_light","index":count + 1}), "is not there"),
-        (json!({"type":"add_light","light":{"kind":"point","position":[0,0,0]}}), "unknown variant `point`"),
         (
-            json!({"type":"add_light","light":{"kind":"sphere","center":[0,0,0],"radius":0,"radiance":[1,1,1],"visible":true}}),
+            json!({"type":"add_light","light":{"type":"point","position":[0,0,0]}}),
+            "it needs the key intensity",
+        ),
+        (
+            json!({"type":"add_light","light":{"type":"sphere","center":[0,0,0],"radius":0,"radiance":[1,1,1],"visible":true}}),
             "radius",
         ),
     ] {

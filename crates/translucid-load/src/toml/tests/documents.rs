@@ -144,10 +144,12 @@ fn pieces_take_documents_where_a_scene_takes_files() {
     let text = format!("file = {document:?}\nfile_material = \"Soap\"");
     let mut builder = SceneBuilder::new(Unit::Centimeter);
     let mut warnings = Vec::new();
-    builder.add_material(&Piece::new("material m", &format!("name = 'm'\n{text}")), &mut warnings).unwrap();
+    builder
+        .add_material(&Piece::parse("material m", &format!("name = 'm'\n{text}")).unwrap(), &mut warnings)
+        .unwrap();
     let soap = builder.scene().materials[0].clone();
     assert_eq!((soap.subsurface_radius.factor, warnings.len()), (0.5, 1));
-    let edit = Piece::new("material m", &text);
+    let edit = Piece::parse("material m", &text).unwrap();
     let error = edit.material(&soap, Unit::Centimeter).unwrap_err().to_string();
     assert!(error.starts_with("material m: this scene takes no further materials from files"), "{error}");
     let (edited, images) =

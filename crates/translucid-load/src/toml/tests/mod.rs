@@ -5,7 +5,6 @@ mod documents;
 mod examples;
 mod extending;
 mod mutation;
-mod parity;
 mod transforms;
 mod valid;
 mod written;

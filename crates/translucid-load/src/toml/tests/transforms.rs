@@ -72,12 +72,12 @@ fn shapes_that_are_added_one_by_one_are_shared() {
     let mut warnings = Vec::new();
     for i in 0..200 {
         let text = format!("name = 'ball {i}'\nshape = 'sphere'\ntranslate = [{i}, 0, 0]");
-        builder.add_object(&Piece::new("object", &text), &mut warnings).unwrap();
+        builder.add_object(&Piece::parse("object", &text).unwrap(), &mut warnings).unwrap();
     }
     let own = builder.scene().objects.iter().filter(|object| !object.is_placed()).count();
     assert!(own < 40 && meshes(builder.scene()) == own + 1, "{own}");
     let torus = translucid_shapes::build_shape("torus", &translucid_shapes::ShapeParameters::new()).unwrap();
-    let piece = Piece::new("mesh many", &format!("name = 'many'\n{}", row(300)));
+    let piece = Piece::parse("mesh many", &format!("name = 'many'\n{}", row(300))).unwrap();
     builder.add_mesh_object(&piece, torus, &mut warnings).unwrap();
     assert_eq!(meshes(builder.scene()), own + 2);
     builder.build(&LoadOptions::default()).unwrap();

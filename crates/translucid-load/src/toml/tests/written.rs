@@ -7,14 +7,14 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use tempfile::TempDir;
+use translucid_scene::description::{Content, Provenance, Slot, Value, quoted};
 use translucid_scene::{
-    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, Light, Material, PARAMETERS,
-    Projection, Scene, SceneError, Slot, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
+    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, Light, Material, Projection,
+    Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
+    SubsurfaceTextureAt, ToneMapping, Unit,
 };
 use translucid_testing::{SplitMix, power};
 
-use crate::toml::text::{color, number, quoted};
 use crate::{ExtendedBase, LoadOptions, load_image, load_scene};
 
 /// A triangle with texture coordinates and vertex colors, twice under one name; two materials share a name, too.
@@ -219,17 +219,17 @@ impl Random {
     }
 
     fn edit_material(&mut self, material: &mut Material) {
-        for parameter in PARAMETERS {
+        for parameter in Material::DESCRIPTION.fields {
             if !self.chance(4) {
                 continue;
             }
-            match parameter.slot(material) {
-                Slot::Number(number) => *number = self.number(),
-                Slot::Scalar(input) => {
+            match (parameter.slot)(material) {
+                Slot::Number(number, _) | Slot::Length(number, _) => *number = self.number(),
+                Slot::Scalar(input, _) => {
                     input.factor = self.number();
                     input.texture = input.texture.filter(|_| !self.chance(4));
                 }
-                Slot::Color(input) => {
+                Slot::Color(input, _) => {
                     input.factor = if self.chance(3) { Vec3::splat(self.number()) } else { self.vector() };
                     match self.0.below(8) {
                         0 => input.texture = None,
@@ -238,6 +238,7 @@ impl Random {
                         _ => {}
                     }
                 }
+                _ => {}
             }
         }
         if self.chance(4) {
@@ -396,7 +397,7 @@ fn saved_edits_can_be_edited_and_saved_again() {
         let mut again = scene.clone();
         again.film.exposure = 7.5;
         let text = base.write(&scene, &again, None).unwrap();
-        let expected = format!("extends = \"saved.toml\"\n\n[film]\nexposure = {}\n", number(7.5));
+        let expected = format!("extends = \"saved.toml\"\n\n[film]\nexposure = 7.5\n");
         assert_eq!(text, expected);
         let path = editing.folder.path().join("again.toml");
         fs::write(&path, text).unwrap();
@@ -496,19 +497,17 @@ fn every_number_reads_back() {
         let bits = if i < 4096 { i << 20 } else { random.bits() as u32 };
         let x = f32::from_bits(bits);
         if x.is_finite() {
-            let text = number(x);
+            let text = Value::from(x).to_string();
             assert_eq!((text.parse::<f64>().unwrap() as f32).to_bits(), bits, "{text}");
         }
     }
-    assert_eq!(color(Vec3::splat(0.5)), "0.5");
 }
 
 #[test]
 fn every_text_reads_back() {
     for text in ["", "a b", "\"\\\"", "tab\tline\nnull\0", "ä\u{85}\u{1f600}'"] {
-        let line = format!("extends = {}", quoted(text));
-        let document = toml::de::DeTable::parse(&line).unwrap();
-        let value = document.get_ref().get("extends").unwrap().get_ref().as_str().unwrap().to_owned();
-        assert_eq!(value, text);
+        let source = Provenance::file("a.toml".as_ref(), &format!("extends = {}", quoted(text)));
+        let entries = crate::toml::parse::parse(&source).unwrap();
+        assert_eq!(entries[0].value.content, Content::Text(text.to_owned()));
     }
 }

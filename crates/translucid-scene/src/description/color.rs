@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 /// Linear color of `#rrggbb` in sRGB (IEC 61966-2-1).
-pub(crate) fn hexadecimal_color(text: &str) -> Option<Vec3> {
+pub fn hexadecimal_color(text: &str) -> Option<Vec3> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
     if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
         return None;
@@ -14,7 +14,7 @@ pub(crate) fn hexadecimal_color(text: &str) -> Option<Vec3> {
 }
 
 /// Linear value of a channel in sRGB.
-pub(crate) fn linear_from_srgb(value: f64) -> f64 {
+pub fn linear_from_srgb(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 

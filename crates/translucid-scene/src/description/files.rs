@@ -1,0 +1,74 @@
+//! The files that a thing names, to be opened when it is whole.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::table::Item;
+use super::value::Content;
+use crate::{ColorSpace, Image, Place, SceneError};
+
+/// A file that a scene needs, and where it is asked for.
+#[derive(Clone, Debug)]
+pub struct FileRequest<K> {
+    /// Its path; of an image at hand the name.
+    pub path: PathBuf,
+    /// Kind of request, which tells it from another request for the same file.
+    pub kind: K,
+    /// Where it is asked for.
+    pub place: Place,
+    /// The image, if it is at hand.
+    pub image: Option<Arc<Image>>,
+}
+
+/// Images and profile tables that a scene is to have after those that it has.
+#[derive(Clone, Debug, Default)]
+pub struct FileList {
+    /// Images, each to be decoded from a color space.
+    pub images: Vec<FileRequest<ColorSpace>>,
+    /// Tables of profiles.
+    pub tables: Vec<FileRequest<()>>,
+    /// Number of images and of tables that the scene has: the index of a request is its index there.
+    before: [usize; 2],
+}
+
+impl FileList {
+    /// Nothing after so many images and tables of profiles.
+    pub fn after(images: usize, tables: usize) -> Self {
+        Self { before: [images, tables], ..Self::default() }
+    }
+
+    /// Index of an image; the same one in the same color space is loaded once.
+    pub fn add_image(&mut self, wanted: FileRequest<ColorSpace>) -> usize {
+        self.before[0] + add(&mut self.images, wanted)
+    }
+
+    /// Index of the image in a file, or of that at hand.
+    ///
+    /// # Errors
+    /// The value is neither.
+    pub fn image(&mut self, item: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
+        let (path, image) = match item.content() {
+            Content::Image(image) => (PathBuf::from(&image.name), Some(Arc::clone(image))),
+            _ => (item.file()?, None),
+        };
+        Ok(self.add_image(FileRequest { path, kind: color_space, place: item.place(), image }))
+    }
+
+    /// Index of the table of profiles in a file.
+    ///
+    /// # Errors
+    /// The value is no path.
+    pub fn table(&mut self, item: &Item<'_>) -> Result<usize, SceneError> {
+        let wanted = FileRequest { path: item.file()?, kind: (), place: item.place(), image: None };
+        Ok(self.before[1] + add(&mut self.tables, wanted))
+    }
+}
+
+/// The place of a request in its list; the same one is there once.
+fn add<K: PartialEq>(requests: &mut Vec<FileRequest<K>>, wanted: FileRequest<K>) -> usize {
+    let is_same = |request: &FileRequest<K>| request.path == wanted.path && request.kind == wanted.kind;
+    requests.iter().position(is_same).unwrap_or_else(|| {
+        requests.push(wanted);
+        requests.len() - 1
+    })
+}

@@ -1,0 +1,407 @@
+//! Typed reading of tables of values: every error names key, value, and what is allowed.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use translucid_profile::nearest;
+
+use super::color::hexadecimal_color;
+use super::field::Word;
+use super::value::{Content, Entry, Value};
+use crate::interval::{Interval, WholeInterval};
+use crate::{Place, SceneError};
+
+/// What values were read from, into which errors point.
+#[derive(Clone, Debug)]
+pub struct Provenance {
+    path: PathBuf,
+    text: Arc<str>,
+    /// The part of a scene that the values are about, where they are in no file.
+    part: Option<String>,
+}
+
+impl Provenance {
+    /// A file with its text.
+    pub fn file(path: &Path, text: &str) -> Self {
+        Self { path: path.to_owned(), text: Arc::from(text), part: None }
+    }
+
+    /// Values that are in no file: errors name the part of the scene that they are about.
+    pub fn part(part: &str) -> Self {
+        Self { path: PathBuf::new(), text: Arc::from(""), part: Some(part.to_owned()) }
+    }
+
+    /// The file; empty where there is none.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The text of the file.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The place of bytes of the text.
+    pub fn place(&self, span: Range<usize>) -> Place {
+        match &self.part {
+            Some(part) => Place::part(&self.path, part),
+            None => Place::span(&self.path, &self.text, span),
+        }
+    }
+
+    /// An error at bytes of the text.
+    pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> SceneError {
+        SceneError::at(self.place(span), message)
+    }
+}
+
+/// A table of values: entries by key, each read with its place.
+pub struct Table<'a> {
+    source: &'a Provenance,
+    entries: &'a [Entry],
+    /// Where a missing key is reported: the table's header.
+    span: Range<usize>,
+    /// Dotted path of the table, empty for the whole source.
+    path: String,
+    /// Keys that the table may have.
+    keys: Vec<&'static str>,
+}
+
+impl<'a> Table<'a> {
+    /// All entries of a source.
+    pub fn root(source: &'a Provenance, entries: &'a [Entry]) -> Self {
+        Self { source, entries, span: 0..0, path: String::new(), keys: Vec::new() }
+    }
+
+    /// Refuses keys that are not in the list.
+    ///
+    /// This comes before anything is read: a misspelt key is a better message than the missing one.
+    ///
+    /// # Errors
+    /// There is such a key: the first in the source.
+    pub fn allow(mut self, keys: &[&'static str]) -> Result<Self, SceneError> {
+        self.keys = keys.to_vec();
+        let unknown = self.entries.iter().filter(|entry| !self.keys.contains(&entry.key.as_str()));
+        match unknown.min_by_key(|entry| entry.span.start) {
+            Some(entry) => Err(self.unknown(entry)),
+            None => Ok(self),
+        }
+    }
+
+    fn unknown(&self, entry: &Entry) -> SceneError {
+        let message = format!("{} has no key {}", self.path(), shown(&entry.key));
+        let all = format!("the keys are {}", self.keys.join(", "));
+        let help = match nearest(&entry.key, self.keys.iter().copied()) {
+            Some(near) => format!("did you mean {near}? {all}"),
+            None => all,
+        };
+        self.source.error(entry.span.clone(), message).with_help(help)
+    }
+
+    /// Dotted path of the table.
+    pub fn path(&self) -> &str {
+        // An error of a part has the part before it
+        let whole = if self.source.part.is_some() { "it" } else { "a scene" };
+        if self.path.is_empty() { whole } else { &self.path }
+    }
+
+    /// Dotted path of a key.
+    pub(super) fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &'static str) -> Option<Item<'a>> {
+        debug_assert!(self.keys.is_empty() || self.keys.contains(&key), "{key} is read but not allowed");
+        let Entry { span, value, .. } = self.entries.iter().find(|entry| entry.key == key)?;
+        let path = self.path_of(key);
+        Some(Item { source: self.source, path, key_span: span.clone(), value })
+    }
+
+    /// The value of a key that must be there.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn require(&self, key: &'static str) -> Result<Item<'a>, SceneError> {
+        self.get(key).ok_or_else(|| self.error(format!("{} needs the key {key}", self.path())))
+    }
+
+    /// The value of a key read by `read`, or the default.
+    ///
+    /// # Errors
+    /// That of `read`.
+    pub fn read<T>(
+        &self,
+        key: &'static str,
+        default: T,
+        read: impl FnOnce(&Item<'a>) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        self.get(key).map_or(Ok(default), |item| read(&item))
+    }
+
+    /// The tables of an array of tables, none if the key is not there.
+    ///
+    /// # Errors
+    /// It is no such array, or has more than `limit` tables.
+    pub fn tables(&self, key: &'static str, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+        let Some(item) = self.get(key) else { return Ok(Vec::new()) };
+        let Content::List(list) = &item.value.content else {
+            return Err(item.mismatch(&format!("an array of tables, each with the header [[{key}]]")));
+        };
+        item.elements_within(list, limit)?.iter().map(Item::table).collect()
+    }
+
+    /// An error of the whole table.
+    pub fn error(&self, message: impl Into<String>) -> SceneError {
+        self.source.error(self.span.clone(), message)
+    }
+}
+
+/// A value with the path that leads to it.
+pub struct Item<'a> {
+    source: &'a Provenance,
+    path: String,
+    key_span: Range<usize>,
+    value: &'a Value,
+}
+
+impl<'a> Item<'a> {
+    /// Dotted path of the key.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// The value.
+    pub fn content(&self) -> &'a Content {
+        &self.value.content
+    }
+
+    /// Its place.
+    pub fn place(&self) -> Place {
+        self.source.place(self.value.span.clone())
+    }
+
+    /// An error at the value.
+    pub fn error(&self, message: impl Into<String>) -> SceneError {
+        self.source.error(self.value.span.clone(), message)
+    }
+
+    /// "KEY is VALUE, but must be …", pointing at the value.
+    pub fn refuse(&self, must_be: &str) -> SceneError {
+        let found = match self.source.text.get(self.value.span.clone()) {
+            Some(written) if !written.is_empty() => shown(written),
+            _ => shown(&self.value.to_string()),
+        };
+        self.error(format!("{} is {found}, but must be {must_be}", self.path))
+    }
+
+    /// "KEY is a string, but must be …", pointing at the value.
+    pub fn mismatch(&self, must_be: &str) -> SceneError {
+        let found = match self.content() {
+            Content::Text(_) => "a string",
+            Content::Integer(_) | Content::Float(_) => "a number",
+            Content::Flag(_) => "a truth value",
+            Content::List(_) => "an array",
+            Content::Table(_) => "a table",
+            Content::Image(_) => "an image",
+            Content::Other(kind) => kind,
+        };
+        self.error(format!("{} is {found}, but must be {must_be}", self.path))
+    }
+
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&'a str> {
+        if let Content::Text(text) = self.content() { Some(text) } else { None }
+    }
+
+    /// Whether it is the word that takes away what the base of an extending file has.
+    pub fn is_none(&self) -> bool {
+        self.as_text() == Some("none")
+    }
+}
+
+/// The kinds of values, each with the error of what is none.
+///
+/// # Errors
+/// The value is of another kind, or out of the range.
+impl<'a> Item<'a> {
+    /// True or false.
+    pub fn flag(&self) -> Result<bool, SceneError> {
+        if let Content::Flag(flag) = self.content() { Ok(*flag) } else { Err(self.mismatch("true or false")) }
+    }
+
+    /// A text.
+    pub fn text(&self) -> Result<&'a str, SceneError> {
+        self.as_text().ok_or_else(|| self.mismatch("a string"))
+    }
+
+    /// A text of at least one character.
+    pub fn name(&self) -> Result<String, SceneError> {
+        match self.text()? {
+            "" => Err(self.refuse("a name that is not empty")),
+            name => Ok(name.to_owned()),
+        }
+    }
+
+    /// A path, relative to the folder of the file that it was read from.
+    pub fn file(&self) -> Result<PathBuf, SceneError> {
+        match self.as_text() {
+            None => Err(self.mismatch("the path of a file")),
+            Some(path) if path.is_empty() || path.contains('\0') => Err(self.refuse("the path of a file")),
+            Some(path) => Ok(self.source.path.parent().unwrap_or(Path::new("")).join(path)),
+        }
+    }
+
+    /// One of the words of a type.
+    pub fn word<T: Word>(&self) -> Result<T, SceneError> {
+        self.word_of(T::WORDS)
+    }
+
+    /// One of a list of words.
+    pub fn word_of<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, SceneError> {
+        let names: Vec<&str> = words.iter().map(|&(name, _)| name).collect();
+        self.choice(&names).map(|number| words[number].1)
+    }
+
+    /// The number of one of a list of words.
+    pub fn choice(&self, names: &[&str]) -> Result<usize, SceneError> {
+        let list = names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        let must_be = format!("one of {list}");
+        let word = self.as_text().ok_or_else(|| self.mismatch(&must_be))?;
+        names.iter().position(|&name| name == word).ok_or_else(|| {
+            let error = self.refuse(&must_be);
+            match nearest(word, names.iter().copied()) {
+                Some(near) => error.with_help(format!("did you mean \"{near}\"?")),
+                None => error,
+            }
+        })
+    }
+
+    /// A whole number.
+    pub fn integer(&self, range: WholeInterval) -> Result<u64, SceneError> {
+        let must_be = range.to_string();
+        match self.content() {
+            Content::Integer(n) => {
+                let n = u64::try_from(*n).ok().filter(|&n| range.contains(n));
+                n.ok_or_else(|| self.refuse(&must_be))
+            }
+            Content::Float(_) => Err(self.refuse(&must_be)),
+            _ => Err(self.mismatch(&must_be)),
+        }
+    }
+
+    /// A whole number of 32 bits.
+    pub fn count(&self, range: WholeInterval) -> Result<u32, SceneError> {
+        self.integer(range).map(|n| n as u32)
+    }
+
+    /// A number in double precision.
+    pub fn double(&self, range: Interval) -> Result<f64, SceneError> {
+        let number = match self.content() {
+            Content::Integer(n) => *n as f64,
+            Content::Float(x) => *x,
+            _ => return Err(self.mismatch(&format!("a number in {range}"))),
+        };
+        if range.contains(number) { Ok(number) } else { Err(self.refuse(&format!("in {range}"))) }
+    }
+
+    /// A number whose single precision is in the range.
+    pub fn number(&self, range: Interval) -> Result<f32, SceneError> {
+        let rounded = self.double(range)? as f32;
+        // Rounding may reach an open end: 1e-60 becomes 0.
+        if range.contains_single(rounded) {
+            Ok(rounded)
+        } else {
+            Err(self.refuse(&format!("in {range} in single precision")))
+        }
+    }
+
+    /// `N` numbers.
+    pub fn numbers<const N: usize>(&self, range: Interval) -> Result<[f32; N], SceneError> {
+        let mut numbers = [0.0; N];
+        for (number, item) in numbers.iter_mut().zip(self.array::<N>("numbers")?) {
+            *number = item.number(range)?;
+        }
+        Ok(numbers)
+    }
+
+    /// Two numbers.
+    pub fn vec2(&self, range: Interval) -> Result<Vec2, SceneError> {
+        self.numbers(range).map(Vec2::from_array)
+    }
+
+    /// Three numbers.
+    pub fn vec3(&self, range: Interval) -> Result<Vec3, SceneError> {
+        self.numbers(range).map(Vec3::from_array)
+    }
+
+    /// A color: a number, three numbers, or `"#rrggbb"`.
+    pub fn color(&self, range: Interval) -> Result<Vec3, SceneError> {
+        match self.content() {
+            Content::Integer(_) | Content::Float(_) => self.number(range).map(Vec3::splat),
+            Content::List(_) => self.vec3(range),
+            Content::Text(word) => {
+                hexadecimal_color(word).ok_or_else(|| self.refuse("\"#rrggbb\" with hexadecimal digits"))
+            }
+            _ => Err(self.mismatch("three numbers or \"#rrggbb\"")),
+        }
+    }
+
+    /// An array of exactly `N` values; `what` names them in the message.
+    pub fn array<const N: usize>(&self, what: &str) -> Result<Vec<Item<'a>>, SceneError> {
+        let must_be = format!("an array of {N} {what}");
+        match self.content() {
+            Content::List(list) if list.len() == N => Ok(self.elements(list)),
+            Content::List(list) => {
+                let message = format!("{} has {} values, but must be {must_be}", self.path, list.len());
+                Err(self.error(message))
+            }
+            _ => Err(self.mismatch(&must_be)),
+        }
+    }
+
+    /// A table, or those of an array of one or more.
+    pub fn one_or_more_tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+        match self.content() {
+            Content::List(list) if list.is_empty() => Err(self.refuse("one table or more")),
+            Content::List(list) => self.elements_within(list, limit)?.iter().map(Item::table).collect(),
+            Content::Table(_) => Ok(vec![self.table()?]),
+            _ => Err(self.mismatch("a table, or several with names")),
+        }
+    }
+
+    fn elements_within(&self, list: &'a [Value], limit: usize) -> Result<Vec<Item<'a>>, SceneError> {
+        if list.len() <= limit {
+            return Ok(self.elements(list));
+        }
+        let (path, count) = (&self.path, list.len());
+        Err(self.error(format!("there are {count} of {path}, but at most {limit} are allowed")))
+    }
+
+    fn elements(&self, list: &'a [Value]) -> Vec<Item<'a>> {
+        let element = |(i, value): (usize, &'a Value)| Item {
+            source: self.source,
+            path: format!("{}[{i}]", self.path),
+            key_span: value.span.clone(),
+            value,
+        };
+        list.iter().enumerate().map(element).collect()
+    }
+
+    /// A table, its keys still to be checked with [`Table::allow`].
+    pub fn table(&self) -> Result<Table<'a>, SceneError> {
+        let Content::Table(entries) = self.content() else { return Err(self.mismatch("a table")) };
+        // A table made by dotted keys has no header.
+        let span = if self.value.span.is_empty() { self.key_span.clone() } else { self.value.span.clone() };
+        Ok(Table { source: self.source, entries, span, path: self.path.clone(), keys: Vec::new() })
+    }
+}
+
+/// Text as a message shows it: one line, not too long.
+fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let line: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().count() > LONGEST { format!("{line}…") } else { line }
+}
