@@ -9,7 +9,7 @@
 //! recipes.rs       from materials to transports; kernels and media that edits may need again
 //! transports.rs    the transports of a scene, as paths use them
 //! pairing.rs       whose parameters count where a texture gives exit and entry point different ones
-//! normalization.rs how much of a profile a shape holds
+//! normalization.rs how much of a profile a shape holds; shape_factor.rs makes up for it
 //! exit_point.rs    x_o, the point that light leaves
 //! entry_point.rs   x_i, and the light that arrives there
 //! ```
@@ -22,6 +22,7 @@ mod note;
 mod pairing;
 mod parameters;
 mod recipes;
+mod shape_factor;
 pub(crate) mod transport;
 mod transports;
 

@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use translucid_scene::{Material, SceneError, SubsurfaceNormalization};
 
+use super::shape_factor::shape_factor;
 use super::transport::SubsurfaceTransport;
 use super::transport::points::{
     GatherPoint, GatherScratch, Gatherer, PixelWidths, PointCloud, PointPlan, PointSettings,
@@ -23,9 +24,6 @@ use crate::world::World;
 ///
 /// A body that needs more is hundreds of profile widths across, and N is 1 except where it is thinnest.
 const MOST_MEMORY: u64 = 128 << 20;
-
-/// Least N: a body that holds less of the profile is a point to it.
-const LEAST_ENERGY: f32 = 1e-6;
 
 /// The points by which a scene's materials are normalized.
 pub(crate) struct Normalizer {
@@ -69,16 +67,5 @@ impl Normalizer {
         }
         let gathered = self.points.gather(exit, scratch);
         gathered.map_or(Vec3::ONE, |gathered| shape_factor(material, gathered.energy))
-    }
-}
-
-/// Factor on the light that leaves where the surfaces around hold the share N of the profile's energy; 1 where a channel has
-/// no profile.
-pub(crate) fn shape_factor(material: &Material, energy: Vec3) -> Vec3 {
-    match material.subsurface_normalization {
-        SubsurfaceNormalization::None => Vec3::ONE,
-        SubsurfaceNormalization::Energy => {
-            energy.map(|n| if n > 0.0 { n.max(LEAST_ENERGY).recip() } else { 1.0 })
-        }
     }
 }

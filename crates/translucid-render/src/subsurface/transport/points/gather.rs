@@ -38,8 +38,8 @@ use super::surfels::Surfel;
 use crate::ray::SurfacePoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::SubsurfaceKernel;
-use crate::subsurface::normalization::shape_factor;
 use crate::subsurface::parameters::Subsurface;
+use crate::subsurface::shape_factor::shape_factor;
 use crate::world::{Layer, PathState, World};
 
 /// Softening b in spacings.
