@@ -163,7 +163,7 @@ mod tests {
         ];
         let failure = merge_tables(&path("out.npz"), &parts, false).unwrap_err();
         assert_eq!(failure.exit_code(), Some(1));
-        let missing = "those of --photons 0..10 --seed 1, --photons 20..25 --seed 1";
+        let missing = "--photons 0..10 --seed 1, --photons 20..25 --seed 1";
         assert!(failure.message.ends_with(missing), "{}", failure.message);
         assert!(!path("out.npz").exists());
         merge_tables(&path("out.npz"), &parts, true).unwrap();

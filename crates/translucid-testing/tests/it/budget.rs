@@ -22,7 +22,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-profile", 7900),
     ("translucid-python", 4600),
     ("translucid-reference", 5700),
-    ("translucid-render", 15400),
+    ("translucid-render", 15600),
     ("translucid-scene", 3500),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
