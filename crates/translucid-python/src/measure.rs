@@ -38,7 +38,7 @@ type Row = (Option<usize>, &'static str, &'static str, f64, [f64; 2], [f64; 2]);
 struct Remarks([Vec<String>; 3]);
 
 impl Remarks {
-    fn push(&mut self, remark: Remark) {
+    fn push(&mut self, remark: &Remark) {
         let kind = match remark {
             Remark::Finding(_) => 0,
             Remark::Note(_) => 1,
@@ -78,7 +78,7 @@ pub(crate) fn _measure<'py>(py: Python<'py>, keys: &Bound<'py, PyDict>) -> PyRes
     };
     let (measured, remarks) = long_work::run_or_leave(py, move || {
         let mut remarks = Remarks::default();
-        let mut load = |source: Source| source.load(color_space, &mut |remark| remarks.push(remark));
+        let mut load = |source: Source| source.load(color_space, &mut |remark| remarks.push(&remark));
         let photographs = (|| {
             Ok::<_, MeasureError>(Photographs {
                 photo: load(photo)?,
@@ -88,7 +88,7 @@ pub(crate) fn _measure<'py>(py: Python<'py>, keys: &Bound<'py, PyDict>) -> PyRes
             })
         })();
         let measured = photographs.and_then(|photographs| {
-            Experiment::new(options)?.measure(photographs, &mut |remark| remarks.push(remark))
+            Experiment::new(options)?.measure(photographs, &mut |remark| remarks.push(&remark))
         });
         (measured, remarks)
     })?;
@@ -123,7 +123,7 @@ pub(crate) fn _measure_scene<'py>(
     let color_space = color_space(keys)?;
     let mut remarks = Remarks::default();
     let fit = pool.install(|| {
-        let photo = photo.load(color_space, &mut |remark| remarks.push(remark))?;
+        let photo = photo.load(color_space, &mut |remark| remarks.push(&remark))?;
         let pixels = translucid_image::PixelRect::whole([scene.film.width, scene.film.height]);
         Session::require_memory(&scene, pixels, Session::BYTES_PER_PIXEL)?;
         SceneFit::new(&photo, scene, &options)
@@ -149,7 +149,7 @@ pub(crate) fn _measure_scene<'py>(
     if end.map_err(exception)? == StepEnd::Stopped {
         return Err(PyKeyboardInterrupt::new_err(()));
     }
-    fit.limitations().into_iter().for_each(|limit| remarks.push(limit));
+    fit.limitations().into_iter().for_each(|limit| remarks.push(&limit));
     let result = result(py, fit.quantities(), remarks)?;
     let guess = fit.guess();
     material(&result, guess.surface_albedo, guess.mfp)?;

@@ -397,7 +397,7 @@ fn saved_edits_can_be_edited_and_saved_again() {
         let mut again = scene.clone();
         again.film.exposure = 7.5;
         let text = base.write(&scene, &again, None).unwrap();
-        let expected = format!("extends = \"saved.toml\"\n\n[film]\nexposure = 7.5\n");
+        let expected = "extends = \"saved.toml\"\n\n[film]\nexposure = 7.5\n";
         assert_eq!(text, expected);
         let path = editing.folder.path().join("again.toml");
         fs::write(&path, text).unwrap();

@@ -504,15 +504,14 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let mut scene = Scene::default();
-        scene.materials = vec![material];
-        scene.objects = vec![Object {
+        let object = Object {
             name: "o".into(),
             mesh: mesh.into(),
             material: 0,
             subsurface_group: 5,
             ..Object::default()
-        }];
+        };
+        let mut scene = Scene { materials: vec![material], objects: vec![object], ..Scene::default() };
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         scene
     }

@@ -273,19 +273,19 @@ mod tests {
 
     /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
     fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
-        let mut scene = Scene::default();
-        scene.materials = vec![Material {
+        let material = Material {
             subsurface_weight: ScalarInput::constant(1.0),
             subsurface_model: SubsurfaceModel::Profile(translucid_profile::Model::NormalizedDiffusion),
             ..Material::default()
-        }];
-        scene.objects = vec![Object {
+        };
+        let object = Object {
             name: "o".into(),
             mesh: mesh.into(),
             material: 0,
             subsurface_group: 0,
             ..Object::default()
-        }];
+        };
+        let mut scene = Scene { materials: vec![material], objects: vec![object], ..Scene::default() };
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, transports) = prepared.parts();
