@@ -331,7 +331,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(links.iter().filter(|link| !link.starts_with('#')).count(), 9);
+        assert_eq!(links.iter().filter(|link| !link.starts_with('#')).count(), 7);
     }
 
     #[test]

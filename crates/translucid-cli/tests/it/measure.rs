@@ -441,7 +441,7 @@ fn edge_gives_back_its_material() {
         stdout(directory.path(), &format!("{words} --page page"));
     }
     let names = files(&directory.path().join("page"));
-    assert_eq!(names.len(), 12, "{names:?}");
+    assert_eq!(names.len(), 10, "{names:?}");
     let [seen, rendered] = ["region.png", "setup.png"].map(|name| {
         let path = directory.path().join("page").join(name);
         translucid_load::load_image(&path, translucid_scene::ColorSpace::Srgb, &mut Vec::new()).unwrap()
