@@ -61,7 +61,7 @@ impl<T: Clone> Thing<T> {
         Ok(())
     }
 
-    /// Visits every number of a thing, by its name: "position[1]".
+    /// Visits every number of a thing, by its name: `position[1]`.
     pub fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>)) {
         for field in self.fields {
             (field.slot)(thing).visit(field.key(), visit);

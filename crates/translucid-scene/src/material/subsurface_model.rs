@@ -5,7 +5,7 @@ use translucid_profile::Model;
 /// How light under the surface is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SubsurfaceModel {
-    /// None is named: [`Material::model`] chooses.
+    /// None is named: [`Material::model`](crate::Material::model) chooses.
     #[default]
     Default,
     /// A reflectance profile.
