@@ -24,6 +24,7 @@ def test_example_prints_what_the_guide_says(name, tmp_path):
 def test_blocks_of_the_guide_run(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib").use("Agg")
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
     names = {}
     # Pictures have tests of their own, and take longer
     numbers = GUIDE[: GUIDE.index("## Pictures")]
