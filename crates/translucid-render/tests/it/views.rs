@@ -154,7 +154,7 @@ fn lamps_are_seen_where_their_middles_project() {
             let picture = rendered(&prepared, &view.expect("a valid view"), 1024);
             let (mut sum, mut at) = (0.0, [0.0; 2]);
             for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
-                let light = picture.mean(x, y)[9];
+                let light = picture.mean(x - x0, y - y0)[9];
                 sum += light;
                 at = [at[0] + light * (f64::from(x) + 0.5), at[1] + light * (f64::from(y) + 0.5)];
             }
