@@ -64,7 +64,8 @@ class Measurement(dict):
         super().__init__()
         for channel, name, unit, *numbers in found["rows"]:
             if channel is None:
-                self[name] = Measured(*map(np.asarray, numbers), unit)
+                value, likely, sure = map(np.asarray, numbers)
+                self[name] = Measured(value, likely, sure, unit)
                 continue
             if name not in self:
                 # A channel in which nothing is seen has no row
