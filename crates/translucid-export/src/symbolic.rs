@@ -92,7 +92,7 @@ fn is_keyword(token: Token<'_>) -> bool {
     matches!(token, Token::Word("fn" | "struct"))
 }
 
-/// What is within the braces that a text begins with.
+/// The text within the braces that a text begins with.
 fn braced<'c, 'a>(code: &'c [Token<'a>]) -> &'c [Token<'a>] {
     let mut depth = 0;
     let end = code.iter().position(|token| {
@@ -221,7 +221,7 @@ impl<'a> Run<'a, '_> {
         }
     }
 
-    /// What an expression is, a literal as a number of single precision.
+    /// The value of an expression; a literal is a number of single precision.
     fn value(&mut self) -> Result<Value<'a>, Unknown> {
         match self.expression()? {
             Value::Literal(number) => Ok(Value::Number(Operand::Number(number as f32))),
@@ -400,7 +400,7 @@ impl<'a> Run<'a, '_> {
         }
     }
 
-    /// What a variable of a type is before it is given a value.
+    /// The value of a variable of a type before it is assigned.
     fn zero(&self, kind: &str) -> Result<Value<'a>, Unknown> {
         let zero = Value::Number(Operand::Number(0.0));
         match (kind, self.source.structs.get(kind)) {

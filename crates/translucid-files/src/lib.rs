@@ -4,7 +4,7 @@
 //! failure leaves the older file as it was. [`check_writable`] finds out beforehand whether that would succeed.
 //!
 //! # Out of scope
-//! What is in the files.
+//! The content and the format of the files: callers bring bytes.
 
 mod atomic_file;
 mod error;

@@ -62,7 +62,7 @@ fn light(configuration: Configuration) -> &'static str {
 const ERROR_COLUMNS: [&str; 8] =
     ["r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r", "A = 0.2", "A = 0.5", "A = 0.8", "worst A", "of 99"];
 
-/// Those of a model's own page.
+/// The columns that a model's own page shows.
 const MODEL_COLUMNS: std::ops::Range<usize> = 2..7;
 
 /// Mean errors in three ranges, errors at [`ALBEDOS`], the worst, and how many albedos are reached.
