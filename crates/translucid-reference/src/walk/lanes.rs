@@ -10,7 +10,7 @@
 //! anew.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, SimdInto, f32x16, i32x16, u32x16};
+use fearless_simd::{Simd, SimdInto, f32x16, i32x16, u32x16};
 
 /// 16 numbers.
 pub(crate) type Floats<S> = f32x16<S>;
@@ -42,12 +42,13 @@ fn called_mul_add<S: Simd>(a: Floats<S>, b: Floats<S>, c: Floats<S>) -> Floats<S
     a.mul_add_precise(b, c)
 }
 
-/// Tells whether the vectors of an instruction set are so narrow, and its instructions so few, that sixteen lanes are much code.
+/// Tells whether the vectors of an instruction set are so narrow, and its instructions so few, that sixteen lanes are much code:
+/// it has no fused multiply-add, and moves single lanes faster than it compresses and expands vectors.
 #[inline(always)]
 pub(crate) fn is_narrow<S: Simd>(simd: S) -> bool {
     let level = simd.level();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if matches!(level, Level::Sse2(_) | Level::Sse4_2(_)) {
+    if matches!(level, fearless_simd::Level::Sse2(_) | fearless_simd::Level::Sse4_2(_)) {
         return true;
     }
     level.is_fallback()
@@ -153,7 +154,7 @@ pub(crate) fn complement<S: Simd>(x: Floats<S>) -> Floats<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use fearless_simd::{Level, dispatch};
 
     use super::*;
 

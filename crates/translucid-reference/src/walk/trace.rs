@@ -44,7 +44,7 @@ use fearless_simd::{Level, Simd, mask32x16};
 use super::boundary::{Boundary, Ray};
 use super::exit_buffer::ExitBuffer;
 use super::instruction_sets::dispatched;
-use super::lanes::{Floats, FusedMulAdd, Words, exponential, unit};
+use super::lanes::{Floats, FusedMulAdd, Words, exponential, is_narrow, unit};
 use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons};
@@ -262,7 +262,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
 
         // Fill the places of those that ended
         let count = ended.count_ones() as usize;
-        if self.pool_holds(count) && moves_lanes(simd) {
+        if self.pool_holds(count) && !is_narrow(simd) {
             self.pool.count -= count;
             let fresh = Group::load::<P>(simd, &self.pool, self.pool.count);
             photons = photons.refill(&fresh, mask32x16::from_bitmask(simd, ended));
@@ -328,7 +328,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             [(-beyond).fused_mul_add(ux, photons.x), (-beyond).fused_mul_add(uy, photons.y), uz.abs()];
         let order = photons.budget - photons.left;
         let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
-        if moves_lanes(simd) {
+        if !is_narrow(simd) {
             self.exits.push(
                 places.map(|place| place.compress(mask)),
                 [order, transmitted].map(|words| words.compress(mask)),
@@ -454,7 +454,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         let survive = budget.simd_gt(0).to_bitmask() & inside;
         self.absorbed += u64::from((inside & !survive).count_ones());
         let end = self.pool.count;
-        if moves_lanes(simd) {
+        if !is_narrow(simd) {
             let survivors = photons.compress(mask32x16::from_bitmask(simd, survive));
             survivors.store::<P>(&mut self.pool, end);
         } else {
@@ -465,17 +465,6 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
         self.pool.count += survive.count_ones() as usize;
     }
-}
-
-/// Tells whether compressing and expanding are instructions, or a few; else lane by lane is faster.
-#[inline(always)]
-fn moves_lanes<S: Simd>(simd: S) -> bool {
-    let level = simd.level();
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if matches!(level, Level::Sse2(_)) {
-        return false;
-    }
-    !level.is_fallback()
 }
 
 /// The lanes of a mask, in order.
