@@ -3,8 +3,8 @@
 /// Does something with the vectors of a level, as `fearless_simd::dispatch!`, but on x86-64 with AVX-512 and AVX2 alone, and
 /// something else with SSE2: `dispatched!(level, simd => f(simd), narrow => g(simd))`.
 ///
-/// A machine with SSE4.2 and without AVX2, mostly one from before 2013, takes the code for SSE2. Code of its own was
-/// 300 kB of the kernel, more than that for AVX2 and AVX-512 together, and a third of the crate's compile time.
+/// A machine with SSE4.2 and without AVX2, mostly one from before 2013, takes the code for SSE2: too few are left to compile
+/// the kernel for them, too.
 #[cfg(target_arch = "x86_64")]
 macro_rules! dispatched {
     ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {

@@ -20,7 +20,7 @@ pub(crate) type Words<S> = u32x16<S>;
 /// Multiplies and adds with one rounding.
 ///
 /// That is an instruction of AVX2, AVX-512 and NEON, and a few dozen of plain SSE: there it is a function that is called, or
-/// the kernel would be ten times as much code, most of what the compiler does for this crate.
+/// the kernel for SSE2 would be six times as much code, and most of what the compiler does for this crate.
 pub(crate) trait FusedMulAdd<S: Simd>: Sized {
     /// `self` · `factor` + `term`.
     fn fused_mul_add(self, factor: impl SimdInto<Self, S>, term: impl SimdInto<Self, S>) -> Self;

@@ -30,10 +30,10 @@
 //!
 //! | | ½ | 0.9 | 0.999 |
 //! |---|---|---|---|
-//! | `kernel`: the widest instructions, here AVX-512 | 5.5 | 2.57 | 1.39 |
-//! | `AVX2` | 8.3 | 4.26 | 2.11 |
-//! | `baseline`: SSE2, refills one photon at a time, one kernel for all phase functions | 53 | 25.7 | 19.2 |
-//! | `scalar f64`: the twin in double precision | 72 | 47.6 | 46.5 |
+//! | `kernel`: the widest instructions, here AVX-512 | 6.0 | 2.62 | 1.44 |
+//! | `AVX2` | 9.3 | 4.65 | 2.20 |
+//! | `baseline`: SSE2, multiply-adds called, refills one photon at a time, one kernel for all phase functions | 62 | 32.8 | 31.6 |
+//! | `scalar f64`: the twin in double precision | 92 | 51.2 | 47.8 |
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
