@@ -197,8 +197,9 @@ def measure(
     keys = {name: value for name, value in locals().items() if value is not None and name != "progress"}
     of_scene = ("scene", "fit", "material", "subsurface", "spp", "seed", "threads")
     if scene is not None:
-        for name in keys.keys() - {"photo", "region", "linear", *of_scene}:
-            raise ValueError(f"{name} cannot be used with scene")
+        for name in keys:
+            if name not in ("photo", "region", "linear", *of_scene):
+                raise ValueError(f"{name} cannot be used with scene")
         measurement = Measurement(_translucid._measure_scene(keys, progress))
     else:
         for name in of_scene:
