@@ -126,6 +126,16 @@ def matte(color=(0.5, 0.5, 0.5), name="matte"):
     return nodes.surface(nodes.add("BsdfDiffuse", Color=color))
 
 
+# Methods of the Blender that runs, and the factor from a mean free path to a length of each walk that has one.
+SUBSURFACE_METHODS = tuple(
+    item.identifier for item in bpy.types.ShaderNodeSubsurfaceScattering.bl_rna.properties["falloff"].enum_items
+)
+# The walk of files before Blender 5.2, and its factor 4π.
+HAS_LEGACY_WALK = "RANDOM_WALK_LEGACY" in SUBSURFACE_METHODS
+LEGACY_WALK = "RANDOM_WALK_LEGACY" if HAS_LEGACY_WALK else "RANDOM_WALK"
+LENGTH_PER_MFP = {"BURLEY": 4 * math.pi, "RANDOM_WALK": 1 if HAS_LEGACY_WALK else 4 * math.pi, "RANDOM_WALK_LEGACY": 4 * math.pi}
+
+
 def messages():
     return list(addon.engine.last_messages)
 

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from harness import Nodes, add_camera, add_light, add_plane, addon, combined, matte, messages, new_scene, radians, regions, render_cycles, set_world
+from harness import HAS_LEGACY_WALK, LEGACY_WALK, Nodes, add_camera, add_light, add_plane, addon, combined, matte, messages, new_scene, radians, regions, render_cycles, set_world
 
 # Modules of the extension, which is loaded under a name of its own.
 material_of = addon.engine.Exporter.describe.__globals__["material_of"]
@@ -71,8 +71,14 @@ BESIDE_CYCLES = {
     "principled Burley": (lambda: scattering("BsdfPrincipled", "BURLEY", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
     "principled walk": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
     "principled skin": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK_SKIN", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
+    "principled walk forward": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.05, Subsurface_Anisotropy=0.7), 0.02),
     "half scattering": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=0.5, Subsurface_Scale=0.3), 0.02),
 }
+if HAS_LEGACY_WALK:
+    BESIDE_CYCLES |= {
+        "legacy walk": (lambda: scattering("SubsurfaceScattering", "RANDOM_WALK_LEGACY", Color=(0.8, 0.5, 0.2), Scale=0.3, Radius=(1, 0.5, 0.25)), 0.02),
+        "principled legacy walk": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK_LEGACY", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
+    }
 
 
 @pytest.mark.parametrize("make, tolerance", BESIDE_CYCLES.values(), ids=BESIDE_CYCLES.keys())
@@ -174,7 +180,7 @@ def test_groups_reroutes_and_muted_nodes_are_seen_through():
 
 
 def test_models_are_a_menu_away():
-    material = scattering("SubsurfaceScattering", "RANDOM_WALK", Color=(0.8, 0.5, 0.2), Scale=0.3)
+    material = scattering("SubsurfaceScattering", LEGACY_WALK, Color=(0.8, 0.5, 0.2), Scale=0.3)
     as_node, _ = translate(material)
     exact, _ = translate(material, "random-walk")
     assert as_node["subsurface_model"] == "random-walk-rough" and exact["subsurface_model"] == "random-walk"
@@ -212,6 +218,30 @@ def test_a_material_without_a_surface_is_said_and_seen():
     set_world((1, 1, 1))
     assert combined()[8, 8, 0] == pytest.approx(0.8, abs=0.02)
     assert "there is no surface" in messages()[0]
+
+
+@pytest.mark.parametrize("convention", ["OPENGL", "DIRECTX"])
+def test_green_of_a_normal_map_points_where_its_convention_says(convention):
+    new_scene(16, 16, 32)
+    image = bpy.data.images.new("normals", 2, 2, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    # Tilted toward +v by atan(3/4), or away from it.
+    image.pixels.foreach_set(np.tile(np.array([0.5, 0.8, 0.9, 1], dtype=np.float32), 4))
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    normal = nodes.add("NormalMap", Color=texture.outputs[0])
+    if not hasattr(normal, "convention"):
+        pytest.skip("Normal Map has no convention before Blender 5.1")
+    normal.convention = convention
+    add_plane(2, material=nodes.surface(nodes.add("BsdfDiffuse", Color=(0.5,) * 3, Normal=normal.outputs[0])))
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=1)
+    add_light("SUN", rotation=radians(20, 0, 0), energy=1.0, angle=0.0)
+    ours, theirs = combined()[8, 8, 0], render_cycles(32)[8, 8, 0]
+    # The sun is 20° from the zenith toward -y.
+    sign = 1 if convention == "OPENGL" else -1
+    assert ours == pytest.approx(0.5 / np.pi * np.cos(np.radians(36.87 + sign * 20)), rel=0.01)
+    assert theirs == pytest.approx(ours, rel=0.01)
 
 
 def test_normal_maps_turn_normals():

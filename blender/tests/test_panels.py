@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels say of a material, and the presets."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
 import translucid
-from harness import Nodes, add_camera, addon, combined, messages, new_scene, radians, set_world
+from harness import LENGTH_PER_MFP, SUBSURFACE_METHODS, Nodes, add_camera, addon, combined, messages, new_scene, radians, set_world
 
 
 class Layout:
@@ -54,14 +52,14 @@ def scattering(kind="SubsurfaceScattering", method="RANDOM_WALK", **inputs):
     return nodes.surface(node)
 
 
-@pytest.mark.parametrize("method", ["BURLEY", "RANDOM_WALK"])
+@pytest.mark.parametrize("method", LENGTH_PER_MFP.keys() & SUBSURFACE_METHODS)
 def test_facts_are_albedo_and_mean_free_path_in_millimeters(method):
     new_scene()
     material = scattering(method=method, Color=(0.8, 0.5, 0.2), Radius=(1, 0.5, 0.25), Scale=0.3)
     found = addon.panels.facts_of(material, 0.01)
     assert found.surface_albedo == pytest.approx([0.8, 0.5, 0.2])
-    # A length of Cycles is 4π mean free paths; a unit is a centimeter here.
-    path = 10 * 0.3 * np.array([1, 0.5, 0.25]) / (4 * math.pi)
+    # A unit is a centimeter here.
+    path = 10 * 0.3 * np.array([1, 0.5, 0.25]) / LENGTH_PER_MFP[method]
     if method == "BURLEY":
         # Christensen & Burley 2015, equation 6
         path *= 1.9 - found.surface_albedo + 3.5 * (found.surface_albedo - 0.8) ** 2

@@ -9,12 +9,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from harness import Nodes, add_camera, add_light, add_mesh, combined, link, matte, messages, new_scene, regions, render_cycles, set_world
+from harness import LEGACY_WALK, LENGTH_PER_MFP, SUBSURFACE_METHODS as METHODS, Nodes, add_camera, add_light, add_mesh, combined, link, matte, messages, new_scene, regions, render_cycles, set_world
 from mathutils import Matrix, Vector
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ASSETS = Path(os.environ.get("TRANSLUCID_ASSETS", ""))
-METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
 
 
 def scattering(method, color, lengths, **settings):
@@ -25,7 +24,7 @@ def scattering(method, color, lengths, **settings):
 
 
 # Lengths at which each method has mean free paths of about 1 for the colors 0.8, 0.5 and 0.2.
-LENGTHS = {"BURLEY": (12.6, 12.6, 12.6), "RANDOM_WALK": (12.6, 12.6, 12.6), "RANDOM_WALK_SKIN": (14.0, 4.0, 1.3)}
+LENGTHS = {method: (length,) * 3 for method, length in LENGTH_PER_MFP.items()} | {"RANDOM_WALK_SKIN": (14.0, 4.0, 1.3)}
 
 
 def edge_width(picture):
@@ -36,23 +35,42 @@ def edge_width(picture):
     return (rows[: count // 2] / lit).sum(axis=0) / count, lit
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_an_edge_of_light_is_as_wide_as_in_cycles(method):
-    # The standard error of the widths' ratio is 0.7 % in blue, which has the least light.
+def edge_of_light(material):
     new_scene(96, 16, 2000)
     bpy.context.scene.translucid.use_caustics = True
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
-    add_mesh("plane", corners * 300, [(0, 1, 2, 3)], scattering(method, (0.8, 0.5, 0.2), LENGTHS[method]))
+    add_mesh("plane", corners * 300, [(0, 1, 2, 3)], material)
     # It hides the sun from one half, and is black.
     add_mesh("blind", corners * 300 + np.array([-300, 0, 250]), [(0, 1, 2, 3)], matte((0, 0, 0)))
     add_light("SUN", energy=math.pi, angle=0.0)
     add_camera((0, 0, 100), type="ORTHO", ortho_scale=16.0)
+
+
+# Walks of the two fits of the albedo are the ones that know the anisotropy.
+@pytest.mark.parametrize("method, anisotropy", [*((method, 0.0) for method in METHODS), *((method, 0.6) for method in METHODS if "WALK" in method)])
+def test_an_edge_of_light_is_as_wide_as_in_cycles(method, anisotropy):
+    # The standard error of the widths' ratio is 0.7 % in blue, which has the least light.
+    edge_of_light(scattering(method, (0.8, 0.5, 0.2), LENGTHS[method], Anisotropy=anisotropy))
     ours, lit = edge_width(combined())
     theirs, lit_theirs = edge_width(render_cycles(2000))
-    print(f"{method}: width {(ours / theirs).round(4)}, brightness {(lit / lit_theirs).round(4)}")
+    print(f"{method} {anisotropy}: width {(ours / theirs).round(4)}, brightness {(lit / lit_theirs).round(4)}")
     assert messages() == []
     assert np.abs(ours / theirs - 1).max() < 0.02
     assert np.abs(lit / lit_theirs - 1).max() < 0.02
+
+
+def test_a_file_of_an_older_blender_looks_as_it_did():
+    """The file's material was the default of its Blender, whose method that is Legacy since 5.2."""
+    if "TRANSLUCID_OLD_BLEND" not in os.environ:
+        pytest.skip("TRANSLUCID_OLD_BLEND does not name a file of an older Blender, as .ci/blender makes it")
+    bpy.ops.wm.open_mainfile(filepath=os.environ["TRANSLUCID_OLD_BLEND"])
+    ours, theirs = combined()[..., :3], render_cycles(256)[..., :3]
+    ratio = ours.sum(axis=(0, 1)) / theirs.sum(axis=(0, 1))
+    print(f"an older file: {ratio.round(4)}, sum {theirs.sum():.5g}, as written {bpy.context.scene['light_of_cycles']:.5g}")
+    assert messages() == []
+    assert np.abs(ratio - 1).max() < 0.01
+    # Blender itself keeps the look, too.
+    assert theirs.sum() == pytest.approx(bpy.context.scene["light_of_cycles"], rel=0.01)
 
 
 def looking(origin, target, up):
@@ -71,7 +89,8 @@ def scan(name, method, size, samples):
     body, *floors = description["object"]
     bpy.ops.wm.ply_import(filepath=str(ASSETS / name / body["file"]), forward_axis="Y", up_axis="Z")
     values = description["material"][0]
-    lengths = [4 * math.pi * length for length in values["subsurface_radius_scale"]]
+    factor = LENGTH_PER_MFP.get(method, 4 * math.pi)
+    lengths = [factor * length for length in values["subsurface_radius_scale"]]
     bpy.context.object.data.materials.clear()
     bpy.context.object.data.materials.append(scattering(method, values["subsurface_color"], lengths))
     bpy.ops.object.shade_smooth()
@@ -129,7 +148,7 @@ def test_overlapping_shells_of_a_mesh_are_one_body():
     for owner in bpy.data.objects:
         owner.select_set(True)
     bpy.ops.object.join()
-    bpy.context.object.data.materials.append(scattering("RANDOM_WALK", (0.8, 0.8, 0.8), (2.0, 1.0, 0.3)))
+    bpy.context.object.data.materials.append(scattering(LEGACY_WALK, (0.8, 0.8, 0.8), (2.0, 1.0, 0.3)))
     add_camera((0, -6, 0), (math.pi / 2, 0, 0), type="ORTHO", ortho_scale=3.6)
     set_world((1, 1, 1))
     ours, theirs = combined()[8:24, ..., :3].mean(axis=0), render_cycles(256)[8:24, ..., :3].mean(axis=0)

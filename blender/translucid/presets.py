@@ -35,9 +35,8 @@ class TRANSLUCID_OT_preset(bpy.types.Operator):
 
 def apply_preset(node, preset, unit_scale):
     """Sets the sockets of a Principled BSDF; lengths are of the scene."""
-    converted = translucid.convert(
-        "translucid", surface_albedo=preset.surface_albedo, mfp=preset.mfp, unit="mm", to="cycles-random-walk"
-    )["cycles-random-walk"]
+    walk = "cycles-walk" if bpy.app.version >= (5, 2) else "cycles-walk-legacy"
+    converted = translucid.convert("translucid", surface_albedo=preset.surface_albedo, mfp=preset.mfp, unit="mm", to=walk)[walk]
     radius = np.broadcast_to(converted["subsurface_radius"], 3)
     node.subsurface_method = "RANDOM_WALK"
     values = {

@@ -102,14 +102,14 @@ def test_cycles_materials_are_what_cycles_means():
     assert np.allclose(lengths, there["translucid"]["mfp"]) and burley["subsurface_color"] == [0.8, 0.5, 0.2]
 
     # The brightness that Blender 5.0.1 was measured at, in the mean over all views
-    walk = translucid.cycles_material("RANDOM_WALK", **words)
+    walk = translucid.cycles_material("RANDOM_WALK_LEGACY", **words)
     assert np.allclose(walk["subsurface_color"], [0.807, 0.498, 0.197], atol=0.008)
     assert np.allclose(walk["subsurface_radius"] * np.array(walk["subsurface_radius_scale"]), [1, 0.5, 0.25])
-    bright = translucid.cycles_material("RANDOM_WALK", base_color=[0.95, 1, 0.92], radius=1)
+    bright = translucid.cycles_material("RANDOM_WALK_LEGACY", base_color=[0.95, 1, 0.92], radius=1)
     # The albedo of the medium that Cycles clamps, 1 - (4/sqrt 3) sqrt(1 - alpha); its walks end early
     assert np.allclose(bright["subsurface_color"], 1 - 4 / np.sqrt(3 / 1e-6), atol=2e-4)
     assert bright["subsurface_flights"] == 256
-    forward = translucid.cycles_material("RANDOM_WALK", **words, anisotropy=0.5)
+    forward = translucid.cycles_material("RANDOM_WALK_LEGACY", **words, anisotropy=0.5)
     assert forward["subsurface_scatter_anisotropy"] == 0.5
     assert np.isclose(forward["subsurface_radius"], 0.5)
     skin = translucid.cycles_material("RANDOM_WALK_SKIN", **words, alpha=0.1)
@@ -120,7 +120,24 @@ def test_cycles_materials_are_what_cycles_means():
     assert lambertian["subsurface_radius_scale"] == [1, 0, 0]
 
 
-@pytest.mark.parametrize("method", ["BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN"])
+def test_random_walk_is_that_of_the_version():
+    words = {"base_color": [0.8, 0.5, 0.2], "radius": [4, 2, 1], "scale": 0.5, "anisotropy": 0.5}
+    walk = translucid.cycles_material("RANDOM_WALK", **words)
+    assert walk == translucid.cycles_material("RANDOM_WALK", **words, version=(5, 2, 3))
+    # Since 5.2 the radius is the mean free path, and the anisotropy changes the color alone
+    assert np.isclose(walk["subsurface_radius"], 2.0)
+    # The medium's albedo that van de Hulst's approximation is an inverse of, good to 0.003 without anisotropy
+    isotropic = translucid.cycles_material("RANDOM_WALK", **words | {"anisotropy": 0})
+    assert np.allclose(isotropic["subsurface_color"], words["base_color"], atol=0.003)
+    legacy = translucid.cycles_material("RANDOM_WALK_LEGACY", **words)
+    for version in [(4, 0), (4, 2, 0), (5, 0, 1), (5, 1, 2)]:
+        assert translucid.cycles_material("RANDOM_WALK", **words, version=version) == legacy != walk
+    skin = translucid.cycles_material("RANDOM_WALK_SKIN", **words)
+    assert translucid.cycles_material("RANDOM_WALK", **words, version=(3, 6)) == skin
+    assert translucid.cycles_material("RANDOM_WALK_FIXED_RADIUS", **words, version=(3, 6)) == legacy
+
+
+@pytest.mark.parametrize("method", ["BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY"])
 def test_cycles_materials_of_images_are_those_of_their_pixels(method):
     image = np.random.default_rng(3).random((50, 40, 3))
     keys = translucid.cycles_material(method, base_color=image, radius=[1, 0.5, 0.2], anisotropy=0.3)
@@ -137,6 +154,8 @@ def test_cycles_materials_of_images_are_those_of_their_pixels(method):
 
 @pytest.mark.parametrize("words, message", [
     ({"method": "CUBIC", "base_color": 1, "radius": 1}, "method is 'CUBIC'"),
+    ({"method": "RANDOM_WALK_LEGACY", "base_color": 1, "radius": 1, "version": (5, 1)}, "must be one of BURLEY, RANDOM_WALK,"),
+    ({"method": "BURLEY", "base_color": 1, "radius": 1, "version": (2, 93)}, "must be \\(3, 0\\) or later"),
     ({"method": "BURLEY", "base_color": -1, "radius": 1}, "base_color has numbers"),
     ({"method": "BURLEY", "base_color": 1, "radius": [1, 2]}, "must end in 3"),
     ({"method": "BURLEY", "base_color": 1, "radius": 1, "scale": float("nan")}, "scale is nan"),

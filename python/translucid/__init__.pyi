@@ -243,6 +243,7 @@ def cycles_material(
     ior: float = 1.4,
     anisotropy: float = 0.0,
     alpha: float = 1.0,
+    version: tuple[int, ...] | None = None,
 ) -> dict[str, Any]: ...
 
 presets: Final[Presets]

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 
 from . import _translucid
 
-METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
+#: Methods by their names in a version of Blender and later ones, as Blender 5.2 calls them.
+METHODS = {
+    (3, 0): {"BURLEY": "BURLEY", "RANDOM_WALK_FIXED_RADIUS": "RANDOM_WALK_LEGACY", "RANDOM_WALK": "RANDOM_WALK_SKIN"},
+    (4, 0): {"BURLEY": "BURLEY", "RANDOM_WALK": "RANDOM_WALK_LEGACY", "RANDOM_WALK_SKIN": "RANDOM_WALK_SKIN"},
+    (5, 2): {name: name for name in ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY")},
+}
 
 #: Flights after which Cycles gives up a walk.
 MOST_FLIGHTS = 256
@@ -26,13 +32,14 @@ def cycles_material(
     ior: float = 1.4,
     anisotropy: float = 0.0,
     alpha: float = 1.0,
+    version: tuple[int, ...] | None = None,
 ) -> dict:
     """Return the keys of a material whose subsurface looks like that of Blender Cycles.
 
     Parameters
     ----------
-    method : {"BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN"}
-        The method of a Subsurface Scattering node or a Principled BSDF, as Blender writes it.
+    method : {"BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY"}
+        The method of a Subsurface Scattering node or a Principled BSDF, as this `version` of Blender names it.
     base_color : float or array_like of shape (..., 3)
         Linear color, clamped to [0, 1]; an image of shape (H, W, 3) gives images.
     radius : float or array_like of shape (..., 3)
@@ -41,12 +48,15 @@ def cycles_material(
         Scale socket; times factors between the units of the two scenes.
     ior : float, default 1.4
         Index that the view is refracted by. Subsurface Scattering node: its IOR. Principled BSDF: its Subsurface IOR for
-        RANDOM_WALK_SKIN; for RANDOM_WALK its IOR, adjusted by the Specular IOR Level as Cycles does, 1.01 at level 0.
+        RANDOM_WALK_SKIN; for the other walks its IOR, adjusted by the Specular IOR Level as Cycles does, 1.01 at level 0.
     anisotropy : float, default 0
         Anisotropy socket, clamped to [0, 0.9].
     alpha : float, default 1
-        Width of the facets that refract the view in RANDOM_WALK: the square of the Principled BSDF's Roughness, the
+        Width of the facets that refract the view in walks other than RANDOM_WALK_SKIN: the square of the Principled BSDF's Roughness, the
         Roughness of a Subsurface Scattering node as it is.
+    version : tuple of int, optional
+        Version of Blender that the node is of, from (3, 0) on: RANDOM_WALK is another method before (5, 2), and yet another
+        before (4, 0). By default that of the Blender that runs this, and (5, 2) outside.
 
     Returns
     -------
@@ -58,24 +68,27 @@ def cycles_material(
     Raises
     ------
     ValueError
-        The method is not known, or a number is not finite or negative.
+        The version does not know the method, or a number is not finite or negative.
 
     Notes
     -----
     BURLEY is ``normalized-diffusion`` of the width radius * scale / 4 pi; cut where Cycles cuts it by
     ``scene.set_integrator(subsurface_tail=0.00362)`` and counted as Cycles counts it by ``subsurface_method="cycles-disk"``,
     for all materials.
-    The walks are ``random-walk-rough`` and ``random-walk-skin`` in the medium that Cycles chooses, and end after 256 flights
-    as they do there: whatever the color, a half space comes out no brighter than 0.919.
+    RANDOM_WALK has the mean free path radius * scale; RANDOM_WALK_LEGACY, which is RANDOM_WALK before Blender 5.2, has
+    radius * scale (1 - g) / 4 pi. Both are ``random-walk-rough``, RANDOM_WALK_SKIN is ``random-walk-skin``, in the medium
+    that Cycles chooses. Walks end after 256 flights as they do there: whatever the color, a half space comes out no brighter
+    than 0.919.
 
     Examples
     --------
-    >>> keys = translucid.cycles_material("RANDOM_WALK", base_color=[0.8, 0.5, 0.2], radius=[1, 0.2, 0.1], scale=0.05)
+    >>> keys = translucid.cycles_material(
+    ...     "RANDOM_WALK", base_color=[0.8, 0.5, 0.2], radius=[1, 0.2, 0.1], scale=0.05, version=(5, 1)
+    ... )
     >>> keys["subsurface_model"], np.round(keys["subsurface_color"], 3).tolist()
     ('random-walk-rough', [0.812, 0.505, 0.202])
     """
-    if method not in METHODS:
-        raise ValueError(f"method is {method!r}, but must be one of {', '.join(METHODS)}")
+    method = _method(method, version)
     numbers = {"scale": scale, "ior": ior, "anisotropy": anisotropy, "alpha": alpha}
     for name, value in numbers.items():
         if not (math.isfinite(value) and value >= 0.0):
@@ -96,8 +109,11 @@ def cycles_material(
         keys = {"subsurface_model": "normalized-diffusion", "subsurface_configuration": "diffuse"}
     else:
         g = min(anisotropy, 0.9)
-        color, skin = _walks(color, g, max(ior, 1.01))
-        mfp = length * (1.0 - g) * (skin if method == "RANDOM_WALK_SKIN" else 1.0 / (4.0 * math.pi))
+        is_legacy = method != "RANDOM_WALK"
+        color, skin = _walks(color, g, max(ior, 1.01), is_legacy)
+        mfp = length
+        if is_legacy:
+            mfp = length * (1.0 - g) * (skin if method == "RANDOM_WALK_SKIN" else 1.0 / (4.0 * math.pi))
         keys = {
             "subsurface_scatter_anisotropy": g,
             "subsurface_eta": min(max(ior, 1.01), 3.0),
@@ -118,13 +134,26 @@ def cycles_material(
     return keys
 
 
-def _walks(color, g, ior):
+def _method(method, version):
+    """The method that a version of Blender calls so, by its name in Blender 5.2."""
+    if version is None:
+        bpy = sys.modules.get("bpy")
+        version = bpy.app.version if bpy is not None else (5, 2)
+    of_version = [names for since, names in METHODS.items() if tuple(version) >= since]
+    if not of_version:
+        raise ValueError(f"version is {version!r}, but must be (3, 0) or later")
+    if method not in of_version[-1]:
+        raise ValueError(f"method is {method!r}, but must be one of {', '.join(of_version[-1])}")
+    return of_version[-1][method]
+
+
+def _walks(color, g, ior, is_legacy):
     """Surface albedos of the media of colors, and mean free paths of the skin mode for a radius of 1."""
     if color.size <= POINTS:
-        albedo, skin = _translucid._cycles_walks(color.ravel().tolist(), g, ior)
+        albedo, skin = _translucid._cycles_walks(color.ravel().tolist(), g, ior, is_legacy)
         return np.reshape(albedo, color.shape), np.reshape(skin, color.shape)
     grid = np.linspace(0.0, 1.0, POINTS)
-    tables = _translucid._cycles_walks(grid.tolist(), g, ior)
+    tables = _translucid._cycles_walks(grid.tolist(), g, ior, is_legacy)
     return tuple(np.interp(color, grid, table) for table in tables)
 
 

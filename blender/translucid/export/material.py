@@ -268,16 +268,18 @@ def _normal(evaluator, output):
         return {}
     if node.uv_map and color.placement.layer not in {"", node.uv_map}:
         evaluator.say(node, f"the tangents are those of the UV map {color.placement.layer!r}")
-    return {"geometry_normal": strengthened(color, strength.number)}
+    # Blender has the property since 5.1.
+    is_directx = getattr(node, "convention", "OPENGL") == "DIRECTX"
+    return {"geometry_normal": strengthened(color, strength.number, is_directx)}
 
 
-def strengthened(color, strength):
-    """A normal map whose normals are mixed with the surface's, as Cycles' Strength does."""
-    if strength == 1:
+def strengthened(color, strength, is_directx=False):
+    """A normal map whose normals are mixed with the surface's, as Cycles' Strength does; DirectX's green points down."""
+    if strength == 1 and not is_directx:
         return color
 
     def function(codes):
-        normal = 2 * codes - 1
+        normal = (2 * codes - 1) * ([1, -1, 1] if is_directx else [1, 1, 1])
         mixed = np.array([0.0, 0.0, 1.0]) * (1 - strength) + normal * strength
         mixed[..., 2] = np.maximum(mixed[..., 2], 1e-3)
         mixed /= np.linalg.norm(mixed, axis=-1, keepdims=True)

@@ -214,8 +214,7 @@ fn text(text: &str) -> CString {
 
 fn row(number: &ConvertedNumber) -> (f64, [CString; 6]) {
     let ConvertedNumber { system, parameter, channel, value, unit, equal } = number;
-    let kind = if system.source.is_code { "code" } else { "document" };
-    let source = format!("{kind}: {}", system.source.place);
+    let source = format!("{}: {}", system.source.kind, system.source.place);
     (*value, [system.name, parameter, channel, unit, equal, &source].map(text))
 }
 

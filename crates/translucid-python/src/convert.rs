@@ -85,8 +85,15 @@ pub(crate) fn _convert(
     .map_err(fail)?;
     let row = |number: ConvertedNumber| {
         let ConvertedNumber { system, parameter, channel, value, unit, equal } = number;
-        let kind = if system.source.is_code { "code" } else { "document" };
-        (system.name, parameter, channel, value, unit, equal, format!("{kind}: {}", system.source.place))
+        (
+            system.name,
+            parameter,
+            channel,
+            value,
+            unit,
+            equal,
+            format!("{}: {}", system.source.kind, system.source.place),
+        )
     };
     Ok((converted.numbers.into_iter().map(row).collect(), converted.notes))
 }
@@ -120,8 +127,8 @@ pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'p
     System::ALL.iter().map(describe).collect()
 }
 
-/// Surface albedos that colors come out as in Cycles' random walks, and their transport mean free paths in the skin mode for a
-/// radius of 1, in order.
+/// Surface albedos of the media that Cycles' random walks make of colors, those before Blender 5.2 if `is_legacy`, and transport
+/// mean free paths of the skin mode for a radius of 1, in order.
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
 pub(crate) fn _cycles_walks(
@@ -129,9 +136,10 @@ pub(crate) fn _cycles_walks(
     colors: Vec<f64>,
     g: f64,
     skin_ior: f64,
+    is_legacy: bool,
 ) -> PyResult<(Vec<f64>, Vec<f64>)> {
     py.detach(|| {
-        let walk = CyclesWalk::new(g);
+        let walk = if is_legacy { CyclesWalk::legacy(g) } else { CyclesWalk::new(g) };
         let skin = System::named("cycles-skin").next();
         let mfp = |&color: &f64| {
             let Some(skin) = skin else { return Ok(1.0) };

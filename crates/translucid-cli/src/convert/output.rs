@@ -69,7 +69,6 @@ const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "
 
 fn cells(row: &ConvertedNumber) -> [Cell; 7] {
     let source = row.system.source;
-    let kind = if source.is_code { "code" } else { "document" };
     [
         Cell::from(row.system.name),
         Cell::from(row.parameter),
@@ -77,7 +76,7 @@ fn cells(row: &ConvertedNumber) -> [Cell; 7] {
         Cell::from(row.value),
         Cell::from(row.unit.as_str()),
         Cell::from(row.equal),
-        Cell::from(format!("{kind}: {}", source.place)),
+        Cell::from(format!("{}: {}", source.kind, source.place)),
     ]
 }
 

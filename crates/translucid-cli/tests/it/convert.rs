@@ -96,8 +96,9 @@ fn renderman_goes_to_every_other_system() {
     close(value(&found, "unreal", "MeanFreePathDistance", "all"), 0.06 * 1.539 * d);
     close(value(&found, "hdrp", "scatteringDistanceMultiplier", "all"), d);
     close(value(&found, "openpbr", "subsurface_radius", "all"), 1.715 * d);
+    close(value(&found, "cycles-walk", "subsurface_scale", "all"), 1.715 * d);
     close(
-        value(&found, "cycles-random-walk", "subsurface_scale", "all"),
+        value(&found, "cycles-walk-legacy", "subsurface_scale", "all"),
         4.0 * std::f64::consts::PI * 1.715 * d,
     );
     // The other configuration concerns the media only
@@ -221,10 +222,11 @@ fn every_system_there_and_back_is_the_same() {
 /// Cycles' walks return another color than they are told, whatever their anisotropy, and none beyond 0.92.
 #[test]
 fn walks_of_cycles_are_told_what_comes_out() {
-    let there = rows("--from arnold:radius=1 --surface-albedo 0.8 --to cycles-random-walk,cycles-skin");
-    for system in ["cycles-random-walk", "cycles-skin"] {
+    let there =
+        rows("--from arnold:radius=1 --surface-albedo 0.8 --to cycles-walk,cycles-walk-legacy,cycles-skin");
+    for (system, told) in [("cycles-walk", 0.802), ("cycles-walk-legacy", 0.79), ("cycles-skin", 0.79)] {
         let color = value(&there, system, "base_color", "all");
-        assert!((color - 0.79).abs() < 0.005, "{system}: {color}");
+        assert!((color - told).abs() < 0.005, "{system}: {color}");
         let length = value(&there, system, "subsurface_scale", "all");
         let words = format!("--from {system}:subsurface_scale={length} --surface-albedo {color} --to arnold");
         let back = rows(&words);
@@ -232,13 +234,11 @@ fn walks_of_cycles_are_told_what_comes_out() {
         assert!((value(&back, "arnold", "subsurface_scale", "all") - 1.0).abs() < 1e-12);
     }
     let forward =
-        "--from cycles-random-walk:subsurface_radius=1 --from cycles-random-walk:subsurface_anisotropy=0.6";
+        "--from cycles-walk-legacy:subsurface_radius=1 --from cycles-walk-legacy:subsurface_anisotropy=0.6";
     let forward = rows(&format!("{forward} --surface-albedo 0.5 --to arnold"));
     // As measured in Blender 5.0.1
     assert!((value(&forward, "arnold", "subsurface_color", "all") - 0.488).abs() < 0.008);
-    let mfp = value(&forward, "arnold", "subsurface_scale", "all");
-    assert!((mfp * 4.0 * std::f64::consts::PI - 1.0).abs() < 1e-12);
-    let words = "convert --from arnold:radius=1 --surface-albedo 0.99 --to cycles-random-walk";
+    let words = "convert --from arnold:radius=1 --surface-albedo 0.99 --to cycles-walk";
     let note = stderr(&run(&here(), words));
     assert!(note.contains("reaches a surface albedo of 0.919"), "{note}");
 }
@@ -332,7 +332,7 @@ fn extremes_convert_or_are_refused() {
 fn wrong_input_is_told_what_is_allowed() {
     for (words, says) in [
         ("--from rendermann:dmfp=2 --surface-albedo 0.5", "did you mean renderman?"),
-        ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-random-walk"),
+        ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-walk"),
         ("--from maya:dmfp=2 --surface-albedo 0.5", "known are translucid"),
         (
             "--from renderman:dmpf=2 --surface-albedo 0.5",

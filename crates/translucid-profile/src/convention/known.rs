@@ -1,7 +1,7 @@
 //! The known systems: names, versions, rules, and where each rule was read.
 
 use super::rule::{Factor, Rule};
-use super::{LengthUnit, Parameter, Role, Source, System, parameter};
+use super::{CyclesWalk, LengthUnit, Parameter, Role, Source, System, parameter};
 
 const fn length(name: &'static str) -> Parameter {
     Parameter { name, role: Role::Length }
@@ -35,11 +35,15 @@ const UNREAL: &[Parameter] =
     &[length("MeanFreePathColor"), distance("MeanFreePathDistance"), factor("WorldUnitScale", 0.1, 0.1)];
 
 const fn code(place: &'static str) -> Source {
-    Source { place, is_code: true }
+    Source { place, kind: "code" }
 }
 
 const fn document(place: &'static str) -> Source {
-    Source { place, is_code: false }
+    Source { place, kind: "document" }
+}
+
+const fn measured(place: &'static str) -> Source {
+    Source { place, kind: "measured" }
 }
 
 /// A system whose length is in the scene's unit and has no least value.
@@ -63,7 +67,7 @@ const fn system(
         parameters,
         unit: LengthUnit::Scene,
         rule,
-        walks_of_cycles: false,
+        walk: None,
         formula,
         least_length: None,
         source,
@@ -84,8 +88,8 @@ impl System {
         self
     }
 
-    const fn walks(mut self) -> Self {
-        self.walks_of_cycles = true;
+    const fn walks(mut self, walk: fn(f64) -> CyclesWalk) -> Self {
+        self.walk = Some(walk);
         self
     }
 
@@ -132,7 +136,7 @@ const KNOWN: &[System] = &[
     system(
         "cycles-burley",
         "Blender Cycles, Christensen-Burley",
-        "3.0 to 5.0",
+        "3.0 to 5.3",
         CYCLES,
         Rule::Width(Factor::OverFourPi),
         "d = length/(4 pi), cut at 16 d and renormalized",
@@ -140,26 +144,37 @@ const KNOWN: &[System] = &[
     )
     .albedo("base_color"),
     system(
-        "cycles-random-walk",
-        "Blender Cycles, Random Walk, before 4.0 with Fixed Radius",
-        "3.0 to 5.0",
+        "cycles-walk",
+        "Blender Cycles, Random Walk since 5.2",
+        "5.2 and 5.3",
+        &[length("subsurface_radius"), distance("subsurface_scale"), WALK_G],
+        Rule::Mfp(Factor::One),
+        "mfp = length/(1 - alpha g), alpha of the color; a color comes out as another",
+        measured("pictures of Blender 5.2.3 and 5.3.0 (blender/tests/test_subsurface.py)"),
+    )
+    .walks(CyclesWalk::new)
+    .albedo("base_color"),
+    system(
+        "cycles-walk-legacy",
+        "Blender Cycles, Random Walk (Legacy), before 5.2 Random Walk, before 4.0 with Fixed Radius",
+        "3.0 to 5.3",
         &[length("subsurface_radius"), distance("subsurface_scale"), WALK_G],
         Rule::Mfp(Factor::OverFourPi),
-        "mfp = length/(4 pi), a color comes out as another",
+        "mfp = length (1 - g)/(4 pi (1 - alpha g)), alpha of the color; a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
     )
-    .walks()
+    .walks(CyclesWalk::legacy)
     .albedo("base_color"),
     system(
         "cycles-skin",
         "Blender Cycles, Random Walk (Skin), before 4.0 Random Walk",
-        "3.0 to 5.0",
+        "3.0 to 5.3",
         &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR, WALK_G],
         Rule::Mfp(Factor::Skin),
-        "mfp = length sqrt(3 (1 - alpha')), alpha' of a dipole; a color comes out as another",
+        "mfp = length sqrt(3 (1 - alpha')) (1 - g)/(1 - alpha g), alpha' of a dipole; a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
     )
-    .walks()
+    .walks(CyclesWalk::legacy)
     .albedo("base_color"),
     system(
         "cycles-2.9",

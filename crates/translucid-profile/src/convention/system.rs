@@ -24,8 +24,8 @@ pub struct System {
     /// Unit of lengths, and the reciprocal of coefficients' unit.
     pub unit: LengthUnit,
     pub(super) rule: Rule,
-    /// Whether the color that the system is told is that of Cycles' random walks, not the surface albedo.
-    pub(super) walks_of_cycles: bool,
+    /// The random walk of Cycles by g, if the color that the system is told is one of that, not the surface albedo.
+    pub(super) walk: Option<fn(f64) -> CyclesWalk>,
     /// The rule as a formula, for people; `length` is the product of the parameters.
     pub formula: &'static str,
     /// The shortest length that the system uses as it is; it takes this one for every shorter one.
@@ -39,8 +39,8 @@ pub struct System {
 pub struct Source {
     /// File with its repository and revision, or document.
     pub place: &'static str,
-    /// True if the rule is code that was read there, not only what a document says.
-    pub is_code: bool,
+    /// "code" if the rule was read there as source, "document" if only its description was, "measured" if pictures show it.
+    pub kind: &'static str,
 }
 
 /// Quantity that stays the same when a material goes to a system.
@@ -123,11 +123,11 @@ impl System {
             }
             Rule::Mfp(factor) => {
                 let mfp = self.length(values)? * self.factor(factor, albedo, values)?;
-                let albedo = match self.walk(values)? {
-                    Some(walk) => albedo.map(|color| walk.surface_albedo(color))?,
-                    None => albedo,
+                let Some(walk) = self.walk(values)? else {
+                    return Channel::from_mfp(albedo, mfp, configuration);
                 };
-                Channel::from_mfp(albedo, mfp, configuration)
+                let mfp = walk.transport_mfp(albedo.of_channel(), mfp);
+                Channel::from_mfp(albedo.map(|color| walk.surface_albedo(color))?, mfp, configuration)
             }
             Rule::Medium => Channel::from_mfp(albedo, self.medium(values)?.transport_mfp(), configuration),
             Rule::MediumAsProfile => {
@@ -157,7 +157,9 @@ impl System {
                 Written::Length(channel.d() / factors / self.factor(factor, albedo, settings)?)
             }
             Rule::Mfp(factor) => {
-                Written::Length(channel.mfp() / factors / self.factor(factor, albedo, settings)?)
+                let of_walk = self.walk(settings)?.map(|walk| walk.transport_mfp(albedo.of_channel(), 1.0));
+                let factor = self.factor(factor, albedo, settings)? * of_walk.unwrap_or(1.0);
+                Written::Length(channel.mfp() / factors / factor)
             }
             Rule::Medium => {
                 let alpha_prime = half_space_single_scattering_albedo(albedo.of_channel(), configuration);
@@ -195,12 +197,10 @@ impl System {
 
     /// Cycles' random walk, if the system is one.
     fn walk(&self, values: &[f64]) -> Result<Option<CyclesWalk>, ParameterError> {
-        if !self.walks_of_cycles {
-            return Ok(None);
-        }
+        let Some(walk) = self.walk else { return Ok(None) };
         self.setting(values)?;
         let g = self.with_values(values).find(|(parameter, _)| parameter.name == WALK_G);
-        Ok(Some(CyclesWalk::new(g.map_or(0.0, |(_, g)| g))))
+        Ok(Some(walk(g.map_or(0.0, |(_, g)| g))))
     }
 
     /// Each parameter with its value, the default where there is none.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Configuration::{Diffuse, Searchlight};
-use crate::{ParameterError, half_space_surface_albedo};
+use crate::{Medium, ParameterError, half_space_surface_albedo};
 
 fn find(name: &str) -> &'static System {
     System::named(name).next().unwrap()
@@ -155,6 +155,31 @@ fn similar_media_are_one_material() {
             panic!()
         };
         assert!((sigma_a / values[0] - 1.0).abs() < 1e-10 && (sigma_s / values[1] - 1.0).abs() < 1e-10);
+    }
+}
+
+/// The coefficients that Cycles walks with, by its definitions of the length.
+#[test]
+fn transport_mean_free_paths_of_cycles_are_those_of_its_media() {
+    for g in [0.0, 0.3, 0.9] {
+        for color in [0.05, 0.5, 0.9] {
+            let reduced = 4.0 * std::f64::consts::PI / (1.0 - g);
+            let of_system = [
+                ("cycles-walk", CyclesWalk::new(g), 1.0),
+                ("cycles-walk-legacy", CyclesWalk::legacy(g), reduced),
+            ];
+            for (name, walk, sigma_t) in of_system {
+                let alpha = walk.single_scattering_albedo(color);
+                let medium = Medium::new((1.0 - alpha) * sigma_t, alpha * sigma_t, g).unwrap();
+                let found =
+                    find(name).read(&[1.0, 1.0, g], SurfaceAlbedo::gray(color).unwrap(), Diffuse).unwrap();
+                assert!((found.mfp() / medium.transport_mfp() - 1.0).abs() < 1e-12, "{name} {g} {color}");
+                assert!(
+                    (found.albedo().of_channel() - walk.surface_albedo(color)).abs() < 1e-12,
+                    "{name} {g} {color}"
+                );
+            }
+        }
     }
 }
 
