@@ -3,7 +3,7 @@
 use crate::language::Language;
 use crate::target::Target;
 
-/// What a text is about.
+/// The subject of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Evaluation, densities, distribution and quantile of a profile.

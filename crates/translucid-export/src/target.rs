@@ -3,7 +3,7 @@
 use crate::image::ImageFormat;
 use crate::language::Language;
 
-/// Where a text goes.
+/// The destination of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A text in a language.

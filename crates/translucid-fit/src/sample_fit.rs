@@ -350,7 +350,7 @@ fn directions(mut jacobian: DMatrix<f64>) -> Vec<Direction> {
 
 /// A combination of parameters that varies independently of the others.
 struct Direction {
-    /// By how much each parameter moves in one standard deviation; without effect on the samples, by any multiple.
+    /// Change of each parameter in one standard deviation; any multiple of it, if it has no effect on the samples.
     along: DVector<f64>,
     has_effect: bool,
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use translucid_scene::SceneError;
 
-/// How far the loading of a file is.
+/// Progress of loading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
     /// Objects of a scene file, or nodes of a glTF file, that are there.

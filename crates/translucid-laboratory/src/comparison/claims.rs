@@ -9,7 +9,7 @@ use super::{Contender, ErrorTable, Inversion};
 pub struct Claim {
     /// The claim in words.
     pub statement: String,
-    /// Way in which the side that is said to be farther off found its medium.
+    /// Albedo inversion of the model that the claim calls less accurate.
     pub inversion: Inversion,
     /// Whether the talk itself names the pair; the others are ours.
     pub is_the_talks: bool,

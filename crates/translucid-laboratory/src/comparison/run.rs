@@ -15,7 +15,7 @@ use super::{
 pub struct Comparison {
     /// Settings that it was made with.
     pub settings: Settings,
-    /// By configuration and albedo.
+    /// Reflectances sorted by configuration and albedo.
     pub reflectances: Vec<Reflectance>,
     /// L1 errors.
     pub errors: ErrorTable,

@@ -27,7 +27,7 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// Most elements, attributes' texts and comments of a document.
 const MOST_NODES: u32 = 1 << 20;
 
-/// What is asked of a document.
+/// The material that is read from a document.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaterialChoice<'a> {
     /// Name of the material, needed where there are several.

@@ -49,7 +49,7 @@ impl Role {
         matches!(self, Self::Length | Self::Absorption | Self::Scattering)
     }
 
-    /// Value where nothing is said.
+    /// Default value.
     pub fn default(self) -> f64 {
         match self {
             Self::Length | Self::Distance => 1.0,

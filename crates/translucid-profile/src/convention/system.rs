@@ -6,7 +6,7 @@ use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
-/// One way in which one system is told a translucent material.
+/// One way to specify a translucent material in one system.
 ///
 /// Some systems have several, with the same name and other parameters.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct System {
     /// Unit of lengths, and the reciprocal of coefficients' unit.
     pub unit: LengthUnit,
     pub(super) rule: Rule,
-    /// Whether the color that the system is told is that of Cycles' random walks, not the surface albedo.
+    /// Whether the color in the system is that of Cycles' random walks, not the surface albedo.
     pub(super) walks_of_cycles: bool,
     /// The rule as a formula, for people; `length` is the product of the parameters.
     pub formula: &'static str,
@@ -39,7 +39,7 @@ pub struct System {
 pub struct Source {
     /// File with its repository and revision, or document.
     pub place: &'static str,
-    /// True if the rule is code that was read there, not only what a document says.
+    /// True if the rule was read in source code, not only in a document.
     pub is_code: bool,
 }
 
@@ -80,7 +80,7 @@ impl System {
         self.albedo_name.is_none()
     }
 
-    /// Values where nothing is said: 1 for lengths, the system's own for factors and settings.
+    /// Default values: 1 for lengths, the system's own for factors and settings.
     pub fn defaults(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.role.default()).collect()
     }
