@@ -1,4 +1,4 @@
-//! What can be exported to where, and how a text is put together.
+//! Exports: which subjects have which targets, and how a text is put together.
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,4 @@
-//! What a text is written in.
+//! Destinations of exported texts.
 
 use crate::image::ImageFormat;
 use crate::language::Language;

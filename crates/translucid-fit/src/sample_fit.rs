@@ -40,7 +40,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Tells whether the samples determine it: the value is at least three errors away from 0.
+    /// Returns whether the samples determine it: the value is at least three errors away from 0.
     ///
     /// Closer to 0 the linear approximation ends, and the truth may be farther off than the error says: of samples all
     /// close to the entry, whose scale is 1, a fit gives the scale 0.07 ± 0.04.

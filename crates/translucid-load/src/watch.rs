@@ -1,4 +1,4 @@
-//! How far loading is, for those who wait for it.
+//! Progress of loading, for those who wait for it.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ impl LoadWatch {
         Self(Some(Arc::new(hear)))
     }
 
-    /// Says how far it is.
+    /// Reports progress.
     ///
     /// # Errors
     /// It shall end.

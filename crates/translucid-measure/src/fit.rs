@@ -1,4 +1,4 @@
-//! What a photograph tells of a material.
+//! Results of a measurement.
 
 /// Scale of the values of a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! How a half space answers light that varies across its surface.
+//! Response of a half space to light that varies across its surface.
 
 use std::f64::consts::{LN_10, PI};
 use std::sync::OnceLock;

@@ -114,7 +114,7 @@ pub trait Profile: Send + Sync {
         self.quantile(u)
     }
 
-    /// Tells whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
+    /// Returns whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
     /// search.
     ///
     /// Where it is not, a [`TabulatedProfile`](crate::TabulatedProfile) of the profile pays from a few dozen samples on.

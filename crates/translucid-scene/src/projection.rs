@@ -1,4 +1,4 @@
-//! How lines of sight spread.
+//! Geometry of the lines of sight.
 
 use crate::interval::Interval;
 

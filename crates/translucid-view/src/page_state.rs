@@ -1,4 +1,4 @@
-//! What pages are told of the state: all of it once, then what has changed.
+//! The state as pages receive it: all of it once, then the changes.
 
 use std::sync::Arc;
 

@@ -92,7 +92,7 @@ impl Comparison {
         self.settings.contenders.iter().find(|one| one.name == name)
     }
 
-    /// Tells whether a model was asked for.
+    /// Returns whether a model was asked for.
     pub fn has(&self, model: Model) -> bool {
         self.contender(model.name()).is_some()
     }

@@ -9,7 +9,7 @@
 //! | texcoord, geompropvalue, place2d | the mapping of an image |
 //! | normalmap | a map of normals |
 //!
-//! Of others the user is told, and the input keeps its default.
+//! Others get a warning, and the input keeps its default.
 
 use std::path::{Path, PathBuf};
 

@@ -255,7 +255,7 @@ fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Tells apart what `==` does not: 0 and -0.
+/// Distinguishes values that `==` does not: 0 and -0.
 fn require_same<T: Debug>(what: &str, read: &T, wanted: &T) -> Result<(), SceneError> {
     if format!("{read:?}") == format!("{wanted:?}") {
         Ok(())

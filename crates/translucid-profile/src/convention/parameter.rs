@@ -44,7 +44,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Tells whether each channel has its own value.
+    /// Returns whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
         matches!(self, Self::Length | Self::Absorption | Self::Scattering)
     }

@@ -75,7 +75,7 @@ impl System {
         }
     }
 
-    /// Tells whether the parameters determine the surface albedo, too.
+    /// Returns whether the parameters determine the surface albedo, too.
     pub fn has_coefficients(&self) -> bool {
         self.albedo_name.is_none()
     }
