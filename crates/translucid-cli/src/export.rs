@@ -233,7 +233,7 @@ fn of_channels(option: &str, numbers: &[f64]) -> Result<[f64; 3], Failure> {
     }
 }
 
-/// Says an error of the library in the words of the command.
+/// States an error of the library in the words of the command.
 fn name_option(arguments: &ExportArguments, error: &ExportError) -> Failure {
     let option = match error.parameter {
         "surface_albedo" => "--surface-albedo",

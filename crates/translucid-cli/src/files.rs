@@ -84,13 +84,13 @@ fn place(path: &Path) -> Option<PathBuf> {
     fs::canonicalize(path).ok().or_else(of_a_new_file)
 }
 
-/// Whether a file says at its start, where images keep their notes, that this program has made it.
+/// Returns `true` if a file states at its start, where images keep their notes, that this program has made it.
 pub(crate) fn is_own(path: &Path) -> bool {
     const NAME: &[u8] = b"translucid";
     start(path, 1 << 16).windows(NAME.len()).any(|bytes| bytes == NAME)
 }
 
-/// Whether a page says that this program has made it, with a title that begins so.
+/// Returns `true` if a page states that this program has made it, with a title that begins so.
 pub(crate) fn is_own_page(page: &Path, title: &str) -> bool {
     const GENERATOR: &str = "name=\"generator\" content=\"translucid\"";
     let start = start(page, 4096);

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::failure::Failure;
 
-/// So many threads, or one per processor.
+/// A pool of `count` threads, or of one per processor.
 pub(crate) fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.map_or(0, usize::from))

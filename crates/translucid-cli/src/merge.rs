@@ -136,7 +136,7 @@ fn planned_samples(merge: &ShardMerge) -> u32 {
     ends.map(|range| range.end).chain([merge.notes().samples_per_pixel]).max().unwrap_or(0)
 }
 
-/// Says what is missing; refuses to go on, unless that is allowed.
+/// Reports what is missing; refuses to go on, unless that is allowed.
 fn report_gaps(merge: &ShardMerge, gaps: &[Gap], planned: u32, is_allowed: bool) -> Result<(), Failure> {
     let whole = merge.film();
     let size = [0, 0, whole.width, whole.height];

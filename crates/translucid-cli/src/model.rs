@@ -294,7 +294,7 @@ impl ModelArguments {
         Err(Failure::input(message).with_help(help))
     }
 
-    /// Says an error of the library in the words of the command.
+    /// States an error of the library in the words of the command.
     fn name_option(&self, model: Model, error: ParameterError) -> Failure {
         let length_option = if self.dmfp.is_some() { "--dmfp" } else { "--mfp" };
         let option = match error.parameter {

@@ -286,7 +286,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     picture::render(scene, &task).map(drop)
 }
 
-/// Says how the lamps of a bare glTF file are taken, which are the only lights then.
+/// Notes how the lamps of a bare glTF file, which are then the only lights, are taken.
 fn note_lamps(arguments: &Arguments, scene: &Scene) {
     let is_gltf = has_extension(arguments, &["gltf", "glb"]);
     let are_lamps = |light: &Light| matches!(light, Light::Spot { .. } | Light::Distant { .. });

@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
     })
 }
 
-/// Says where the page is, to people and scripts.
+/// Prints where the page is, to people and scripts.
 fn print_address(page: &Page) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     let told = writeln!(stdout, "{}", page.address()).and_then(|()| stdout.flush());

@@ -1,6 +1,6 @@
 //! From linear radiance to display values.
 
-/// How linear radiance becomes display values.
+/// Conversion of linear radiance to display values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToneMapping {
     /// Clip to [0, 1], sRGB transfer curve.

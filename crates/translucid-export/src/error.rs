@@ -4,14 +4,14 @@ use std::fmt;
 
 use translucid_profile::ParameterError;
 
-/// A combination that does not exist, or a parameter out of its range; says what does exist.
+/// A combination that does not exist, or a parameter out of its range; names those that exist.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportError {
     /// Name of the parameter that is wrong: `to`, `what`, `model`, `surface_albedo` …
     pub parameter: &'static str,
-    /// What was found, as text.
+    /// The value found, as text.
     pub found: String,
-    /// What is allowed, worded to follow "must be" or "but".
+    /// The allowed values, worded to follow "must be" or "but".
     pub allowed: String,
 }
 

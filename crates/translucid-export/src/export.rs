@@ -1,4 +1,4 @@
-//! What can be exported to where, and how a text is put together.
+//! Exports: which subjects have which targets, and how a text is put together.
 
 use std::ops::RangeInclusive;
 
@@ -51,9 +51,9 @@ impl Default for Sizes {
 /// What is to be exported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Export<'a> {
-    /// Where it goes.
+    /// Target of the text.
     pub target: Target,
-    /// What it is about: one text has it all.
+    /// Subjects, all in one text.
     pub subjects: &'a [Subject],
     /// Models of the profile.
     pub models: &'a [Model],
@@ -67,7 +67,7 @@ pub struct Export<'a> {
     pub eta: f64,
     /// Sizes of tables.
     pub sizes: Sizes,
-    /// The command that a text says it was made by.
+    /// The command that a text names as its maker.
     pub command: &'a str,
 }
 

@@ -21,8 +21,8 @@ pub struct Function {
     /// Largest relative error against double precision that tests allow, on 100,000 points over all parameters; OSL's is
     /// [`error_in`](Self::error_in).
     ///
-    /// What is below 2.4e-38 of the value at r = 0 is no error, nor what a millionth of a random number changes where it
-    /// chooses a term. The error of a coordinate is one of the radius.
+    /// Differences below 2.4e-38 of the value at r = 0 do not count, nor do those that a millionth of a random number makes
+    /// where it chooses a term. The error of a coordinate is one of the radius.
     pub error: f64,
 }
 

@@ -16,7 +16,7 @@ use crate::sum::Terms;
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
 
-/// What a model is: its formula, as a sum if it is written as one, and where it comes from.
+/// Description of a model: its formula, as a sum if it is written as one, and its source.
 pub(crate) fn of_model(model: Model, configuration: Configuration, is_summed: bool) -> String {
     let light = match configuration {
         Configuration::Searchlight => "a pencil beam that enters perpendicularly",
@@ -92,7 +92,7 @@ The surface albedo A is in [0, 1], the width d in [1e-18, 1e18].",
     }
 }
 
-/// What a subject is that a model's words do not say.
+/// Description of a subject that a model's description does not cover.
 pub(crate) fn of_subject(subject: Subject) -> Option<&'static str> {
     match subject {
         Subject::Probe => Some(
@@ -141,7 +141,7 @@ pub(crate) const UNITS: &str = "\
 Lengths are in one unit that you keep to; R and densities per area are in its inverse square, densities per length in
 its inverse. r is any number; a negative one counts as 0. Random numbers are in [0, 1).";
 
-/// How far functions are from double precision, in a language, with names of another.
+/// Errors of functions against double precision, in a language, with names of another.
 pub(crate) fn errors(functions: &[Function], language: Language, names: Language) -> String {
     let mut text = String::from(
         "Largest relative errors against double precision, asserted on 100,000 points over these ranges and their ends

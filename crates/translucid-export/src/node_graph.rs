@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// What a node takes.
+/// An operand of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Operand {
     /// A constant.

@@ -1,9 +1,9 @@
-//! What an exported text is about.
+//! Subjects of exported texts.
 
 use crate::language::Language;
 use crate::target::Target;
 
-/// What a text is about.
+/// The subject of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Evaluation, densities, distribution and quantile of a profile.
@@ -72,7 +72,7 @@ impl Subject {
         }
     }
 
-    /// Tells whether it is a table of a material, and no function.
+    /// Returns whether it is a table of a material, and no function.
     pub(crate) fn is_table(self) -> bool {
         match self {
             Self::Profile
@@ -85,7 +85,7 @@ impl Subject {
         }
     }
 
-    /// Tells whether it can go to a target.
+    /// Returns whether it can go to a target.
     pub(crate) fn goes_to(self, target: Target) -> bool {
         match (self, target) {
             (_, Target::Image(_)) => self == Self::Lut,

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::node_graph::{NodeGraph, Operand};
 use crate::token::{Token, tokens};
 
-/// What an expression is.
+/// The value of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value<'a> {
     /// A number of the text, or what is made of some: it becomes one of single precision where it meets others.

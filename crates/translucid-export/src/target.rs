@@ -1,9 +1,9 @@
-//! What a text is written in.
+//! Destinations of exported texts.
 
 use crate::image::ImageFormat;
 use crate::language::Language;
 
-/// Where a text goes.
+/// The destination of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A text in a language.

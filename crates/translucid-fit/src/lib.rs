@@ -34,7 +34,7 @@
 //! Lengths are in the unit of the reference.
 //!
 //! # Out of scope
-//! How a reference comes about (`translucid-reference`), files, figures.
+//! Making references (`translucid-reference`), files, figures.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

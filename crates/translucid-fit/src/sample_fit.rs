@@ -40,7 +40,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Tells whether the samples determine it: the value is at least three errors away from 0.
+    /// Returns whether the samples determine it: the value is at least three errors away from 0.
     ///
     /// Closer to 0 the linear approximation ends, and the truth may be farther off than the error says: of samples all
     /// close to the entry, whose scale is 1, a fit gives the scale 0.07 ± 0.04.
@@ -350,7 +350,7 @@ fn directions(mut jacobian: DMatrix<f64>) -> Vec<Direction> {
 
 /// A combination of parameters that varies independently of the others.
 struct Direction {
-    /// By how much each parameter moves in one standard deviation; without effect on the samples, by any multiple.
+    /// Change of each parameter in one standard deviation; any multiple of it, if it has no effect on the samples.
     along: DVector<f64>,
     has_effect: bool,
 }

@@ -7,7 +7,7 @@ use crate::Picture;
 /// Share of the picture that is darker than what the meter looks at: bright, but no highlight.
 const PERCENTILE: f64 = 0.9;
 
-/// What the meter makes of the luminance at the percentile: the brightest tone that curves leave about as it is.
+/// Value to which the meter exposes the luminance at the percentile: the brightest tone that curves leave about as it is.
 const TARGET: f64 = 0.7;
 
 /// Bins of luminance to the stop.

@@ -17,7 +17,7 @@ use translucid_files::write_atomically;
 use crate::picture::{finite, finite_single, invalid};
 use crate::{MetadataValue, OutputError, Picture, Precision};
 
-/// How hard deflation tries: noise has little to find, and level 4, which the exr crate would take, needs several times as
+/// Level of deflation: noise has little to find, and level 4, which the exr crate would take, needs several times as
 /// long for hardly smaller files.
 const DEFLATE_LEVEL: u8 = 1;
 

@@ -36,7 +36,7 @@ impl PixelRect {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// Tells whether there are pixels and all of them are those of a picture of this width and height.
+    /// Returns whether there are pixels and all of them are those of a picture of this width and height.
     pub fn is_within(&self, [width, height]: [u32; 2]) -> bool {
         self.area() > 0 && self.columns().end <= width && self.rows().end <= height
     }

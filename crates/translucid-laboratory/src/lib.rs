@@ -4,7 +4,7 @@
 //! - [`figures`]: the charts, tables and the page of a comparison.
 //! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG
 //!   and a [`DataTable`] of its numbers.
-//! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
+//! - [`Ink`]: the subject of a series; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`residual_chart`]: what fits to a table leave over.

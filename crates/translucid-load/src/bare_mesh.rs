@@ -53,7 +53,7 @@ pub(super) fn load_bare_mesh(
     Ok(scene)
 }
 
-/// The axis that points up: what is asked for, what the format says, or a guess that is said.
+/// The axis that points up: the requested one, that of the format, or a guess with a warning.
 fn up_axis(path: &Path, model: &MeshFile, options: &LoadOptions, warnings: &mut Vec<Warning>) -> UpAxis {
     match options.up {
         Some(axis) => axis,
@@ -151,7 +151,7 @@ fn turn(objects: &mut [Object], rotation: Mat3) {
     }
 }
 
-/// What a floor that is not seen itself reflects onto the mesh.
+/// Color that a floor reflects onto the mesh without being visible itself.
 const SHADOW_FLOOR_COLOR: Vec3 = Vec3::splat(0.5);
 
 fn add_floor(model: &mut MeshFile, frame: &Stage, camera: &Camera, floor: Floor) {

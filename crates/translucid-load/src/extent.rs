@@ -11,7 +11,7 @@ const SMALLEST: f64 = 10.0;
 /// Longest edge of a mesh's box beyond which its unit is doubted [mm].
 const LARGEST: f64 = 1e5;
 
-/// What most people render is about as large as this [mm].
+/// Typical size of rendered objects [mm].
 const USUAL: f64 = 150.0;
 
 /// Warns of a mesh that is smaller than the mean free path of its own material, or larger than a street.

@@ -2,7 +2,7 @@
 //!
 //! [`load_scene`] makes a validated [`Scene`](translucid_scene::Scene) of a scene file or a mesh file,
 //! [`SceneBuilder`] one of pieces of scene files, and [`still_life`] is the scene that is built in.
-//! Every reader goes from bytes to data, or to an error that says which file, where, what was found and what is allowed.
+//! Every reader goes from bytes to data, or to an error that names the file, the place, the value found and the values allowed.
 //!
 //! # Units
 //! Lengths are in the scene's own unit; angles in files are degrees.

@@ -15,7 +15,7 @@ use crate::toml::SceneFile;
 /// A mesh file gets a material, a camera, lights and a backdrop where it has none.
 ///
 /// # Errors
-/// The file cannot be read, or something in it or in the options is wrong: the error says what and where.
+/// The file cannot be read, or something in it or in the options is wrong: the error names the mistake and its place.
 pub fn load_scene(
     path: &Path,
     options: &LoadOptions,

@@ -12,7 +12,7 @@ use crate::watch::LoadWatch;
 pub(crate) struct Loading<'a> {
     /// Hears how far it is, and may end it.
     pub(crate) watch: &'a LoadWatch,
-    /// What was repaired or left out.
+    /// Warnings of what was repaired or left out.
     pub(crate) warnings: &'a mut Vec<Warning>,
     files: BTreeSet<PathBuf>,
 }

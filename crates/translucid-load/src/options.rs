@@ -33,11 +33,11 @@ pub struct LoadOptions {
     /// Angles about x, then y, then z by which the objects of a bare mesh are turned about their middle \[degrees\], once
     /// y is up.
     pub rotate: [f32; 3],
-    /// What a bare mesh stands on; by default a backdrop where neither camera nor lights nor surroundings are given.
+    /// Floor under a bare mesh; by default a backdrop where neither camera nor lights nor surroundings are given.
     pub floor: Option<Floor>,
     /// Name of the camera, of those that the file has; by default the first.
     pub camera: Option<String>,
-    /// Where to look from: at a bare mesh with a camera of its own making, in a scene file about the camera's target.
+    /// Viewpoint: for a bare mesh, of the camera that is made for it; for a scene file, an orbit about the camera's target.
     pub viewpoint: Option<Viewpoint>,
     /// Factor by which things are larger in the picture.
     pub zoom: Option<f32>,
@@ -51,7 +51,7 @@ pub struct LoadOptions {
     pub surroundings: Surroundings,
 }
 
-/// What a bare mesh stands on.
+/// The floor under a bare mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Floor {
     /// Nothing: around the mesh the picture is transparent, unless there is an environment to see.

@@ -105,7 +105,7 @@ pub(super) fn bounds(objects: &[Object]) -> (Vec3, Vec3) {
     boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
 }
 
-/// Tells of meshes whether z is up beyond doubt: they stand on the plane z = 0 with a flat base about the origin, rise at
+/// Returns whether z is up beyond doubt: the meshes stand on the plane z = 0 with a flat base about the origin, rise at
 /// least half as high as they are wide, and have no flat base along y.
 ///
 /// A relief with its back in that plane is no such mesh: it is low. Nor is a box, which could stand on either side.

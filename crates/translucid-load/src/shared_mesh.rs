@@ -35,7 +35,7 @@ impl SharedMesh {
         &self.mesh
     }
 
-    /// Whether it is worth sharing.
+    /// Returns `true` if it is worth sharing.
     pub(super) fn is_shared(&self) -> bool {
         self.flattest.is_some()
     }

@@ -20,7 +20,7 @@ const FARTHEST: f64 = 7e9;
 /// Most vertices that the fit looks at; more say nothing new about a silhouette.
 const MOST_VERTICES: usize = 200_000;
 
-/// Where the meshes are and how they are looked at: everything below is placed relative to it.
+/// Place of the meshes and the view of them: everything below is placed relative to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
     /// Middle of the bounding box [L].

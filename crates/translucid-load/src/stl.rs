@@ -40,7 +40,7 @@ pub fn parse_stl(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
     Ok(with_creases(&mesh))
 }
 
-/// Tells an ascii file, which begins with "solid" and is text, from a binary one that may begin so, too.
+/// Distinguishes an ASCII file, which begins with "solid" and is text, from a binary one that may begin so, too.
 fn is_ascii(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
 }

@@ -1,4 +1,4 @@
-//! How far loading is, for those who wait for it.
+//! Progress of loading, for those who wait for it.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use translucid_scene::SceneError;
 
-/// How far the loading of a file is.
+/// Progress of loading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
     /// Objects of a scene file, or nodes of a glTF file, that are there.
@@ -29,7 +29,7 @@ impl LoadWatch {
         Self(Some(Arc::new(hear)))
     }
 
-    /// Says how far it is.
+    /// Reports progress.
     ///
     /// # Errors
     /// It shall end.

@@ -1,7 +1,7 @@
 //! Least squares of means whose noise the differences of blocks tell.
 //!
 //! Neighboring pixels are not independent, and the noise of a photograph is not known.
-//! So the picture is cut into blocks, whose differences tell how far to trust their mean: covariances are those of clusters
+//! So the picture is cut into blocks, whose differences show how far to trust their mean: covariances are those of clusters
 //! [K.-Y. Liang and S. L. Zeger, *Longitudinal Data Analysis Using Generalized Linear Models*, 1986].
 
 use nalgebra::{DMatrix, DVector};

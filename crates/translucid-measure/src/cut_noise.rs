@@ -17,7 +17,7 @@ impl Photo {
     /// The most that a square of pixels is brighter than it was because values below 0 are 0 in the file.
     ///
     /// Of a Gaussian of mean μ = t σ, Φ(−t) is below 0, and the mean of what is left in its place is σ (φ(t) + t Φ(t)):
-    /// the share of zeros tells t, and the mean σ. Where all values are 0 there was no noise to cut, and where neighbors
+    /// the share of zeros determines t, and the mean σ. Where all values are 0 there was no noise to cut, and where neighbors
     /// differ by less than such noise, black and bright meet.
     pub fn cut_noise(&self) -> f64 {
         let mut most = 0.0_f64;

@@ -1,4 +1,4 @@
-//! What a camera sees of a flat piece that an opaque card covers in part.
+//! Forward model of a flat piece that an opaque card covers in part, as a camera sees it.
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 

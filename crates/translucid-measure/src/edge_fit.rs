@@ -5,8 +5,8 @@
 //! ```
 //!
 //! for a channel c with the gain g, stray light b and the slope m of uneven light; where the card ends and the camera's blur
-//! are the same for all channels. Where v is reflectance, A tells the gain, too.
-//! Where the camera sees the card instead of what is below it, the lit side alone tells:
+//! are the same for all channels. Where v is reflectance, A determines the gain, too.
+//! Where the camera sees the card instead of what is below it, only the lit side counts:
 //!
 //! ```text
 //! v_c(x) = G_σ * [ x > x₀ : g_c (1 + m_c x) E(x; A_c, ℓ_c, x₀, 0),  else b_c ]

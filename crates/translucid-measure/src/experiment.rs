@@ -42,7 +42,7 @@ pub struct Photographs {
     pub white: Option<NamedPhoto>,
 }
 
-/// How photographs of an edge of light or of a spot were taken: measures them.
+/// Measures photographs of an edge of light or of a spot, given how they were taken.
 ///
 /// ```
 /// use translucid_measure::{Experiment, NamedPhoto, Options, Photo, Photographs};

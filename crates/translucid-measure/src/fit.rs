@@ -1,6 +1,6 @@
-//! What a photograph tells of a material.
+//! Results of a measurement.
 
-/// What the values of a photograph are.
+/// Scale of the values of a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// Over those of a white card under the same light.
@@ -14,18 +14,18 @@ pub enum Scale {
 pub struct Interval {
     /// The most likely value.
     pub value: f64,
-    /// Of 68 %.
+    /// The 68 % interval.
     pub likely: [f64; 2],
-    /// Of 95 %.
+    /// The 95 % interval.
     pub sure: [f64; 2],
 }
 
-/// What is known of a channel.
+/// Result of the fit for a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFit {
     /// Mean free path \[L\]; where [none is seen](Self::is_seen), without meaning.
     pub mfp: Interval,
-    /// Whether light is seen to creep: else the light is as sharp as blur makes it, or brightens evenly across the picture.
+    /// Whether light visibly spreads; if not, its edge is as sharp as the blur, or it brightens evenly across the picture.
     pub is_seen: bool,
     /// Surface albedo, where the values are reflectance.
     pub surface_albedo: Option<Interval>,
@@ -64,7 +64,7 @@ impl Outline {
     }
 }
 
-/// What hides the light from the dark side.
+/// The card that keeps light from the dark side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Card {
     /// Nothing that the camera sees: the dark side shows the piece, as in the shadow that a projector throws.

@@ -108,7 +108,7 @@ impl KnownShape {
         Self { photo, weights, block, unknowns, progress, pictures, is_done: false, variances }
     }
 
-    /// How far it is; the pictures of the guess that is tried do not count.
+    /// Progress so far; the pictures of the guess that is tried do not count.
     pub fn progress(&self) -> Progress {
         self.progress
     }
@@ -194,7 +194,7 @@ impl KnownShape {
         self.unknowns.iter().copied().flat_map(of).collect()
     }
 
-    /// What the picture of the guess and a seed leaves of the photograph.
+    /// Photograph minus the picture of the guess with a seed.
     fn residual(&self, seed: usize, i: usize, channel: usize) -> f64 {
         let picture = f64::from(self.pictures[seed].pixels[i][channel]);
         f64::from(self.photo.pixels[i][channel]) - self.progress.guess.radiance[channel] * picture
@@ -324,7 +324,7 @@ impl KnownShape {
         (normal, scores)
     }
 
-    /// Whether the last step was small enough.
+    /// Returns `true` if the last step was small enough.
     pub fn has_converged(&self) -> bool {
         self.is_done && self.progress.steps < MOST_STEPS
     }

@@ -24,7 +24,7 @@ pub struct Quantity {
 /// A measurement in a photograph of an edge of light or of a spot.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// How the photograph was taken.
+    /// Options that describe the photograph.
     pub options: Options,
     /// Width of a pixel \[mm\].
     pub mm_per_pixel: f64,
@@ -38,7 +38,7 @@ pub struct Measurement {
     pub samples: Samples,
     /// The fit; mean free paths are those of the medium that was asked for.
     pub fit: Fit,
-    /// What the numbers of the photograph are.
+    /// Scale of the values of the photograph.
     pub scale: Scale,
     /// The best of the models that solve no equation of transfer.
     pub alternative: AlternativeModel,

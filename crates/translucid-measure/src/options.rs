@@ -17,7 +17,7 @@ pub enum Setup {
     Slab,
 }
 
-/// How a photograph was taken, and of what.
+/// Setup of a photograph: how it was taken, and of what.
 ///
 /// Pixels count from the upper left corner; rectangles go from (x0, y0) to before (x1, y1).
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! How a half space answers light that varies across its surface.
+//! Response of a half space to light that varies across its surface.
 
 use std::f64::consts::{LN_10, PI};
 use std::sync::OnceLock;
@@ -10,7 +10,7 @@ use translucid_reference::{Incidence, specular_reflectance};
 use crate::cubic_lagrange::lagrange_weights;
 use crate::slab::{Slab, SlabTransfer};
 
-/// How pieces answer stripes of light: half spaces of isotropic scatterers, or what they are compared with.
+/// Responses of pieces to stripes of light: half spaces of isotropic scatterers, or what they are compared with.
 ///
 /// ```text
 /// T(κ; A) = R̂(κ/ℓ) / R̂(0),     R̂(k) = ∫ R(r) J₀(kr) 2πr dr
@@ -41,10 +41,10 @@ enum Kind {
     Exponentials { weight: f64, ratio: f64 },
 }
 
-/// How light enters half spaces, and who sees it.
+/// Light that enters half spaces, and the direction from which they are seen.
 #[derive(Clone, Copy, Debug)]
 enum Lighting {
-    /// Of an incidence, seen by its exitance (or the other way round: light of all directions, seen along one).
+    /// Light of an incidence, seen by its exitance (or the other way round: light of all directions, seen along one).
     Exitance { eta: f64, incidence: Incidence },
     /// A beam at this angle, seen from straight above, without a boundary.
     Beam { angle: f64 },
@@ -53,7 +53,7 @@ enum Lighting {
 #[derive(Debug)]
 struct HalfSpaces {
     lighting: Lighting,
-    /// By √(1 − A); a row is solved when it is asked for.
+    /// Rows by √(1 − A), each solved when it is first asked for.
     rows: Vec<OnceLock<Row>>,
 }
 
@@ -154,7 +154,7 @@ impl Response {
     }
 }
 
-/// How one piece answers stripes of light.
+/// Response of one piece to stripes of light.
 #[derive(Clone, Debug)]
 pub struct Transfer<'a> {
     shape: Shape<'a>,

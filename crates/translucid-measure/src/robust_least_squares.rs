@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Where the weighted squares of residuals are least.
+/// Minimum of the weighted squares of residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RobustMinimum {
     /// The parameters.
@@ -33,7 +33,7 @@ const STEPS: usize = 60;
 /// Minimizes Σ w r(p)² from a start by Levenberg's and Marquardt's method, with the weights of Huber's estimator, whose
 /// scale is the median of |r|. `scales` are steps for differences of the parameters.
 ///
-/// Where residuals are not finite, a step is not taken.
+/// A step to residuals that are not finite is not taken.
 pub(crate) fn robust_least_squares(
     residuals: impl Fn(&[f64]) -> Vec<f64>,
     start: &[f64],

@@ -176,7 +176,7 @@ impl SceneFit {
         self.fit.progress().guess
     }
 
-    /// How far the fit is, for a later run.
+    /// Progress of the fit, for a later run.
     pub fn progress(&self) -> Progress {
         self.fit.progress()
     }

@@ -1,4 +1,4 @@
-//! How slabs that are lit from behind answer stripes of light.
+//! Responses of slabs lit from behind to stripes of light.
 //!
 //! Light that varies as e^{ikx} along a slab sees a one-dimensional slab of its own (G. B. Rybicki 1971, as the half space
 //! does), whose collisions are

@@ -1,4 +1,4 @@
-//! What a camera sees around a spot of light on a flat piece.
+//! Forward model of a spot of light on a flat piece, as a camera sees it.
 
 use std::f64::consts::PI;
 

@@ -21,9 +21,9 @@ pub enum NoSpot {
     TooSmall,
     /// The brightest pixels over the darkest tenth: less than 1.5.
     NoContrast(f64),
-    /// So many pixels are half as bright as the brightest, fewer than 12.
+    /// Number of pixels that are half as bright as the brightest: fewer than 12.
     FewPixels(usize),
-    /// So many spots of similar size.
+    /// Number of spots of similar size.
     Several(usize),
     /// It goes on beyond the picture.
     OutOfFrame,

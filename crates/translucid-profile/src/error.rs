@@ -109,7 +109,7 @@ impl fmt::Display for Written {
 /// Passes a parameter's value on if a condition holds.
 ///
 /// # Errors
-/// It does not hold; `allowed` says what does, worded to follow "must be".
+/// It does not hold; `allowed` states what does, worded to follow "must be".
 pub fn require(
     holds: bool,
     parameter: &'static str,

@@ -1,7 +1,7 @@
 //! Reflectance profiles for subsurface scattering, as pure mathematics.
 //!
 //! Light that enters a translucent surface at one point leaves it at others.
-//! A *reflectance profile* R(r) says how much of it leaves at the distance r, per unit of area.
+//! A *reflectance profile* R(r) is the amount of it that leaves at the distance r, per unit of area.
 //! This crate holds what a renderer, a fit or a reference needs to know about profiles:
 //!
 //! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact

@@ -8,7 +8,7 @@ use crate::math::roots::falling_root;
 /// entered the medium \[L⁻²\].
 ///
 /// Lengths are in one unit that the caller chose when the profile was made.
-/// What the boundary reflects from outside is no part of the unit; what it reflects from inside is accounted for.
+/// Light that the boundary reflects from outside is not part of the unit; reflection from inside is accounted for.
 ///
 /// Energies are parts of the surface albedo A: [`enclosed`](Self::enclosed) within a radius, [`beyond`](Self::beyond)
 /// it.
@@ -114,7 +114,7 @@ pub trait Profile: Send + Sync {
         self.quantile(u)
     }
 
-    /// Tells whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
+    /// Returns whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
     /// search.
     ///
     /// Where it is not, a [`TabulatedProfile`](crate::TabulatedProfile) of the profile pays from a few dozen samples on.

@@ -3,7 +3,7 @@
 //! Every approximation of light under a surface needs a judge. This crate holds three, on the same parameters:
 //!
 //! - [`exact`]: the half space of isotropic scatterers, solved. Its figures carry an estimate of their numerical
-//!   error: without a boundary some 1e-10 of the value, with one as [`exact::HalfSpace::with_boundary`] says.
+//!   error: without a boundary some 1e-10 of the value, with one as [`exact::HalfSpace::with_boundary`] states.
 //! - [`walk`]: a Monte Carlo walk for everything else (phase functions, slabs, spots of light), whose figures
 //!   carry a standard error, and whose tables serve every albedo at once.
 //! - [`body`]: the same, photon by photon, in things that are no half space: sphere, slab and wedge.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::interval::{WholeInterval, refusal};
 use crate::{SceneError, Wrap};
 
-/// How stored values relate to linear light.
+/// Relation of stored values to linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorSpace {
     /// sRGB transfer curve: colors in 8-bit files.

@@ -67,14 +67,14 @@ impl Interval {
         Self { low, high, closed: [true, false] }
     }
 
-    /// Whether a number is in the interval; NaN is in none.
+    /// Returns `true` if a number is in the interval; NaN is in none.
     pub fn contains(self, x: f64) -> bool {
         let above = if self.closed[0] { x >= self.low } else { x > self.low };
         let below = if self.closed[1] { x <= self.high } else { x < self.high };
         above && below
     }
 
-    /// Whether a number in single precision is in the interval whose ends are, too: 0.1 belongs to [0, 0.1].
+    /// Returns `true` if a number is in the interval with both rounded to single precision: 0.1 belongs to [0, 0.1].
     pub fn contains_single(self, x: f32) -> bool {
         let single = |end: f64| f64::from(end as f32);
         Self { low: single(self.low), high: single(self.high), ..self }.contains(f64::from(x))
@@ -141,7 +141,7 @@ impl WholeInterval {
         u64::from(n).clamp(self.low, self.high) as u32
     }
 
-    /// Whether a number is in the interval.
+    /// Returns `true` if a number is in the interval.
     pub fn contains(self, n: u64) -> bool {
         (self.low..=self.high).contains(&n)
     }

@@ -83,13 +83,13 @@ impl Object {
         ),
     ];
 
-    /// Whether the mesh is elsewhere than in its own space.
+    /// Returns `true` if the mesh is elsewhere than in its own space.
     #[inline]
     pub fn is_placed(&self) -> bool {
         self.world_from_local != Affine3A::IDENTITY
     }
 
-    /// Whether its place mirrors the mesh.
+    /// Returns `true` if its place mirrors the mesh.
     #[inline]
     pub fn is_mirrored(&self) -> bool {
         self.is_placed() && self.linear().determinant() < 0.0
@@ -165,7 +165,7 @@ impl Object {
         [greatest_stretch(&inverse).recip(), greatest_stretch(&linear)]
     }
 
-    /// Whether rays can be traced in the mesh's own space as exactly as in the world.
+    /// Returns `true` if rays can be traced in the mesh's own space as exactly as in the world.
     pub fn can_be_instanced(&self) -> bool {
         let [least, greatest] = self.stretches();
         self.world_from_local.is_finite() && greatest <= MOST_DISTORTION * least

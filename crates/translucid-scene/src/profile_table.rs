@@ -12,7 +12,7 @@ use crate::{Place, SceneError};
 /// Only the shape counts: what leaves altogether is the material's surface albedo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileTable {
-    /// Where it comes from.
+    /// The file that it comes from.
     pub path: PathBuf,
     /// One for each surface albedo, rising; where the file states none, a single one.
     pub rows: Vec<ProfileRow>,

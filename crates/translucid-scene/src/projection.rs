@@ -1,8 +1,8 @@
-//! How lines of sight spread.
+//! Geometry of the lines of sight.
 
 use crate::interval::Interval;
 
-/// How lines of sight spread.
+/// Geometry of the lines of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// They meet in the lens.

@@ -14,7 +14,7 @@ use crate::{
 
 /// Everything needed to make a picture.
 ///
-/// [`validate`](Self::validate) says what is wrong with a scene made in code; a scene from a file is valid.
+/// [`validate`](Self::validate) reports what is wrong with a scene made in code; a scene from a file is valid.
 /// The default has a camera, a film and no objects.
 ///
 /// ```

@@ -97,7 +97,7 @@ impl Film {
     }
 }
 
-/// How light under a surface is found where a profile describes it.
+/// Method that finds light under a surface described by a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SubsurfaceMethod {
     /// Each path looks for a point where light enters, by probes.
@@ -146,7 +146,7 @@ pub struct Integrator {
     /// so a plane loses none. What comes through a thick body does: of light from beyond a distance the share tail / E is
     /// missing, E being the profile's energy beyond that distance.
     pub subsurface_tail: f32,
-    /// How light under surfaces is found.
+    /// Method that finds light under surfaces.
     pub subsurface_method: SubsurfaceMethod,
     /// Whether light that has entered below one pixel serves the pixels around it. The mean of a picture is the same
     /// with less noise; what is left of it varies less from pixel to pixel.

@@ -16,7 +16,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Which channel a scalar input reads.
+/// The channel that a scalar input reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Channel {
     /// Red; for grey images the grey value.

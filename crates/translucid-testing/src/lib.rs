@@ -26,7 +26,7 @@ const QUICK: u32 = 8;
 static THOROUGH: LazyLock<bool> =
     LazyLock::new(|| std::env::var_os("TRANSLUCID_THOROUGH").is_some_and(|value| value == "1"));
 
-/// Tells whether tests run with their whole power.
+/// Returns whether tests run with their whole power.
 #[must_use]
 pub fn is_thorough() -> bool {
     *THOROUGH

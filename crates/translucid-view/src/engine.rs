@@ -611,7 +611,7 @@ fn same_pixels(a: &Film, b: &Film) -> bool {
     pixels(a) == pixels(b)
 }
 
-/// The header of a frame, as `PROTOCOL.md` says.
+/// The header of a frame, as `PROTOCOL.md` defines it.
 struct Header {
     kind: u8,
     divisor: u8,

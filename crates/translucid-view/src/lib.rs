@@ -42,11 +42,11 @@ use engine::Engine;
 use server::Server;
 use shared::Shared;
 
-/// What pages and saved files say of the scene's origin.
+/// The scene's origin, as pages and saved files state it.
 pub struct Settings {
     /// The scene's name for people.
     pub name: String,
-    /// What a saved scene extends.
+    /// The base that a saved scene extends.
     pub base: ExtendedBase,
     /// Loads that base, to tell what has changed.
     pub load_base: Box<dyn Fn() -> Result<Scene, SceneError> + Send + Sync>,

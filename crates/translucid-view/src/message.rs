@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-/// A message of a page; `PROTOCOL.md` says what each means.
+/// A message of a page; `PROTOCOL.md` explains each.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Message {
@@ -83,7 +83,7 @@ pub(crate) enum Side {
     B,
 }
 
-/// What edits concern: one side, or both at once.
+/// The side that edits concern, or both at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Edited {

@@ -6,7 +6,7 @@ use translucid_profile::convention::{ArgumentNames, Conversion, Converted, Setti
 use translucid_scene::description::Choice;
 use translucid_scene::{Material, SubsurfaceParameter, Unit};
 
-/// The answer to `numbers`: as `translucid convert` says it, with its command line.
+/// The answer to `numbers`: as `translucid convert` prints it, with its command line.
 pub(crate) fn numbers(material: &Material, unit: Unit) -> Value {
     let albedo = material.subsurface_color.factor.to_array().map(f64::from);
     let length = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;

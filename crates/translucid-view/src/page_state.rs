@@ -1,4 +1,4 @@
-//! What pages are told of the state: all of it once, then what has changed.
+//! The state as pages receive it: all of it once, then the changes.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::json;
 use crate::look::Look;
 
-/// A state as the message `state` tells it.
+/// A state as the message `state` carries it.
 #[derive(Clone, Debug)]
 pub(crate) struct PageState {
     pub(crate) version: u32,

@@ -161,7 +161,7 @@ impl Studio {
         }
     }
 
-    /// What pages are told, with what else they shall know.
+    /// The state as pages receive it, with notes and the command.
     pub(crate) fn state(&self, notes: &[String], command: &str) -> PageState {
         let parts = [
             ("camera", json::camera(&self.setup.camera)),

@@ -1,4 +1,4 @@
-//! What the page shows of a film, as the codes of a display.
+//! Views of a film on the page, as the codes of a display.
 
 use rayon::prelude::*;
 use translucid_image::{DisplayTransform, Picture, PictureChannel, ToneMapping, display_from_linear};

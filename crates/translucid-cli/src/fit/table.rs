@@ -264,7 +264,7 @@ fn report(path: &Path, samples: &[Sample], errors: Errors, fits: &[Fit]) -> Stri
     text
 }
 
-/// Says what the samples do not determine, and which standard errors do not count.
+/// Reports what the samples do not determine, and which standard errors do not count.
 fn warn(path: &Path, errors: Errors, fits: &[Fit]) {
     let mut warnings = Vec::new();
     let mut add = |message: String| {

@@ -59,7 +59,7 @@ pub(super) fn paragraphs(measurement: &Measurement) -> String {
     text
 }
 
-/// The command that says the same in other renderers' numbers.
+/// The command that prints the same in other renderers' numbers.
 pub(super) fn conversion(measurement: &Measurement) -> String {
     let list = |values: [f64; 3]| values.map(three_digits).join(",");
     format!(

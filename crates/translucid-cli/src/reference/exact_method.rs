@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     }
 }
 
-/// Says of what is not solved what to use instead.
+/// Refuses what is not solved, and names a replacement.
 fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let parameters = problem.parameters();
     let refuse = |what: String| {

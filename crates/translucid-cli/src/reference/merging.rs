@@ -67,7 +67,7 @@ fn refusal(error: TableError, first: &Path, path: &Path, held: &[(&PathBuf, Vec<
     }
 }
 
-/// Says which photons are missing, and how to walk them.
+/// Reports which photons are missing, and how to walk them.
 fn report_gaps(gaps: &[PhotonRange], allow_gaps: bool) -> Result<(), Failure> {
     if gaps.is_empty() {
         return Ok(());

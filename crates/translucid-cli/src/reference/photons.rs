@@ -25,7 +25,7 @@ impl Photons {
         Ok(Self::Range(range))
     }
 
-    /// Tells whether they are no photons at all.
+    /// Returns whether they are no photons at all.
     pub(super) fn are_none(&self) -> bool {
         match self {
             Self::Count(count) => *count == 0,

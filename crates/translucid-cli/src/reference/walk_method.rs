@@ -83,7 +83,7 @@ impl WalkArguments {
     }
 }
 
-/// Walks, and prints what the table says.
+/// Walks, and prints the table.
 pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let walk = &arguments.walk;
     if let Some(error) = walk.error.filter(|error| !(*error > 0.0 && *error < 1.0)) {

@@ -30,7 +30,7 @@ const JUDGES: [&str; 2] = ["random-walk", "exact"];
 /// Memory that a pixel of a picture takes while the others are rendered.
 const BYTES_PER_PICTURE_PIXEL: u64 = 64;
 
-/// Renders the scene with each of the models, which are two or more, and writes what tells them apart.
+/// Renders the scene with each of two or more models, and writes their differences.
 pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(), Failure> {
     require_distinct(models)?;
     let judge = judge(models, arguments.against)?;
@@ -77,7 +77,7 @@ fn judge(models: &[SubsurfaceModel], against: Option<ModelName>) -> Result<usize
     })
 }
 
-/// Where to write: what `-o` says, or a directory named after the scene.
+/// Directory to write to: that of `-o`, or one named after the scene.
 fn directory_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
     let Some(path) = &arguments.output else {
         let mut name = stem(arguments).to_owned();

@@ -52,9 +52,9 @@ impl Tone {
 /// The exposure of a command's pictures.
 #[derive(Clone, Debug)]
 pub(crate) enum Exposure {
-    /// What the film says.
+    /// The exposure that the film states.
     OfFilm,
-    /// That of the first picture, once there is one: pictures that belong together are shown alike.
+    /// The exposure of the first picture, once there is one: pictures that belong together are shown alike.
     Metered(Arc<OnceLock<f32>>),
 }
 

@@ -53,7 +53,7 @@ impl Axis {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} / {}", self.label, self.unit) }
     }
 
-    /// Tells whether a number has a place on the axis.
+    /// Returns whether a number has a place on the axis.
     ///
     /// Numbers beyond [`Self::GREATEST`] have none: differences of them are not finite.
     pub(crate) fn has(&self, value: f64) -> bool {

@@ -9,7 +9,7 @@ use super::{Contender, ErrorTable, Inversion};
 pub struct Claim {
     /// The claim in words.
     pub statement: String,
-    /// Way in which the side that is said to be farther off found its medium.
+    /// Albedo inversion of the model that the claim calls less accurate.
     pub inversion: Inversion,
     /// Whether the talk itself names the pair; the others are ours.
     pub is_the_talks: bool,
@@ -20,12 +20,12 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Tells whether a pair of errors bears the claim out.
+    /// Returns whether a pair of errors bears the claim out.
     pub fn is_confirmed(errors: [f64; 2]) -> bool {
         errors[0] < errors[1]
     }
 
-    /// Tells whether it holds at every albedo that was asked for and in the mean; `None` where there is nothing to go by.
+    /// Returns whether it holds at every albedo that was asked for and in the mean; `None` where there is nothing to go by.
     pub fn holds(&self) -> Option<bool> {
         let mut all = self.errors.iter().chain([&self.means]).flatten().peekable();
         all.peek()?;

@@ -80,17 +80,17 @@ impl Contender {
         Self::all().iter().map(|contender| contender.name).collect()
     }
 
-    /// Tells whether the model describes light that enters so.
+    /// Returns whether the model describes light that enters so.
     pub fn knows(&self, configuration: Configuration) -> bool {
         self.knows_diffuse || configuration == Configuration::Searchlight
     }
 
-    /// Tells whether the model describes media, and has more than one way to the one of a surface albedo.
+    /// Returns whether the model describes media, and has more than one way to the one of a surface albedo.
     pub fn knows_media(&self) -> bool {
         self.from_medium.is_some()
     }
 
-    /// Tells whether it is one of [`Model::ALL`].
+    /// Returns whether it is one of [`Model::ALL`].
     pub fn is_model(&self) -> bool {
         self.group == Group::Model
     }

@@ -25,7 +25,7 @@ pub struct ErrorRow {
 /// Errors of many contenders at many surface albedos.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorTable {
-    /// By configuration, contender, inversion and albedo, each in the order that was asked for. A contender that does
+    /// Rows sorted by configuration, contender, inversion and albedo, each in the order that was asked for. A contender that does
     /// not reach an albedo or does not know a configuration has no row.
     pub rows: Vec<ErrorRow>,
     /// The surface albedos that means are over.

@@ -29,7 +29,7 @@ pub struct RingPoint {
 }
 
 impl RingPoint {
-    /// By how many standard errors the walk is above the exact solution.
+    /// Distance of the walk above the exact solution, in standard errors.
     pub fn deviate(&self) -> f64 {
         (self.reflectance - self.exact) / self.standard_error
     }

@@ -15,7 +15,7 @@ use super::{
 pub struct Comparison {
     /// Settings that it was made with.
     pub settings: Settings,
-    /// By configuration and albedo.
+    /// Reflectances sorted by configuration and albedo.
     pub reflectances: Vec<Reflectance>,
     /// L1 errors.
     pub errors: ErrorTable,
@@ -92,7 +92,7 @@ impl Comparison {
         self.settings.contenders.iter().find(|one| one.name == name)
     }
 
-    /// Tells whether a model was asked for.
+    /// Returns whether a model was asked for.
     pub fn has(&self, model: Model) -> bool {
         self.contender(model.name()).is_some()
     }

@@ -12,7 +12,7 @@ pub struct SampleTest {
     pub contender: &'static str,
     /// Surface albedo A.
     pub surface_albedo: f64,
-    /// Whether the radii are drawn in the model's own way; else by its table.
+    /// Whether the model's own sampler draws the radii; otherwise its table does.
     pub own_sampler: bool,
     /// Edges of the bins in mean free paths: 0, equal steps to the radius within which 99 % leave.
     pub edges: Vec<f64>,

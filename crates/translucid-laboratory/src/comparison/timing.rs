@@ -66,7 +66,7 @@ pub struct Timing {
     pub quantity: Quantity,
     /// Nanoseconds a call: the lower decile over the rounds.
     pub nanoseconds: f64,
-    /// The median over the rounds: how much more than the decile says how busy the machine was.
+    /// The median over the rounds: its excess over the decile shows how busy the machine was.
     pub median: f64,
     /// Number of rounds.
     pub rounds: usize,

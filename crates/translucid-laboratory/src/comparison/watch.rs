@@ -45,7 +45,7 @@ impl<'a> Progress<'a> {
         Self { watch, done: AtomicU64::new(0), total: total.max(1) }
     }
 
-    /// Says that more is done.
+    /// Reports progress.
     pub(super) fn add(&self, more: u64) {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         (self.watch.progress)((done as f64 / self.total as f64).min(1.0));

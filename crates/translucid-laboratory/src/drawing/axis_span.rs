@@ -36,7 +36,7 @@ impl Span {
         self.pixels[0] + t * (self.pixels[1] - self.pixels[0])
     }
 
-    /// Tells whether a number is in the range, but for rounding.
+    /// Returns whether a number is in the range, but for rounding.
     pub(crate) fn contains(&self, value: f64) -> bool {
         let [low, high] = self.range;
         let slack = match self.scale {

@@ -30,7 +30,7 @@ pub(super) struct Fill {
     pub(super) rim: f64,
 }
 
-/// Which part of a text is at its place.
+/// The part of a text that lies at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,

@@ -13,7 +13,7 @@ const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
 /// The canvas as an SVG document with a title and a description for those who cannot see it.
 ///
-/// Each color stands in an attribute of its own, by which a page turns it dark.
+/// Each color has an attribute of its own, which a page in dark mode replaces.
 pub(crate) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
     let [width, height] = canvas.size;
     let (text, background) = (Shade::TEXT.light, Shade::BACKGROUND.light);

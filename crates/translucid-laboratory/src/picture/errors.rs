@@ -38,7 +38,7 @@ pub fn relative_noise([picture, first]: [&Picture; 2], samples: [u32; 2], refere
 /// The part of the [`relative_mse`] of a picture against a reference that is noise of either, by the halves of both
 /// as in [`relative_noise`].
 ///
-/// Where both were made with the same random numbers, much of their noise is the same, and does not count.
+/// If both were made with the same random numbers, much of their noise is the same and cancels.
 pub fn relative_noise_of_difference(
     [picture, first]: [&Picture; 2],
     [reference, reference_first]: [&Picture; 2],

@@ -76,7 +76,7 @@ impl Picture {
         &self.display
     }
 
-    /// Tells whether a surface or a visible environment covers some of a pixel.
+    /// Returns whether a surface or a visible environment covers some of a pixel.
     fn is_covered(&self, index: usize) -> bool {
         self.alpha[index] > 0.0
     }

@@ -44,7 +44,7 @@ impl Raster {
         self.pixels.iter().map(|color| color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
     }
 
-    /// A PNG that says which program has made it.
+    /// A PNG that names the program that made it.
     ///
     /// # Errors
     /// There is no pixel, or more than the format can hold.

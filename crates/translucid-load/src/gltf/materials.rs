@@ -27,7 +27,7 @@ use super::document::{self, AlphaMode, TextureInfo};
 use super::textures::{ImageShelf, Use};
 use super::uri::clip;
 
-/// Extensions that are read; of the others the user is told.
+/// Extensions that are read; the others get a warning.
 const READ: [&str; 10] = [
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",

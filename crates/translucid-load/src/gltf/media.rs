@@ -174,7 +174,7 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    /// What KHR_materials_volume_scatter states.
+    /// Scattering as KHR_materials_volume_scatter states it.
     fn volume_scattering(&mut self, data: &VolumeScatter) -> Result<Scattering, SceneError> {
         let (key, factor) = match (data.multiscatter_color_factor, data.multiscatter_color) {
             (Some(factor), _) => ("multiscatterColorFactor", factor),
@@ -218,7 +218,7 @@ impl MaterialReader<'_> {
         None
     }
 
-    /// How much light enters a scattering medium, and its tint.
+    /// Share of the light that enters a scattering medium, and its tint.
     fn entering(
         &mut self,
         clear: ScalarInput,

@@ -111,7 +111,7 @@ fn read(
     assembly.finish()
 }
 
-/// Compressed geometry is refused; of other required extensions that are not known the user is told.
+/// Compressed geometry is refused; other unknown required extensions get a warning.
 fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
     const COMPRESSION: [&str; 3] =
         ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];

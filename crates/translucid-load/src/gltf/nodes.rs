@@ -150,7 +150,7 @@ struct Instancing {
     attributes: document::Attributes,
 }
 
-/// How many instances of its mesh a node has, as far as that can be told without reading them.
+/// Number of instances of its mesh that a node has, as far as it is known without reading them.
 pub(super) fn instance_count(node: &Node, part: &str, arrays: &Arrays<'_>) -> usize {
     let name = "EXT_mesh_gpu_instancing";
     match document::extension::<Instancing>(&node.extensions, name, part, arrays.notes.path) {

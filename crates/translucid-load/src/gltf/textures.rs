@@ -29,7 +29,7 @@ pub(super) struct ImageShelf {
     pub(super) images: Vec<Image>,
     /// Repairs made by decoding.
     pub(super) warnings: Vec<Warning>,
-    /// By the index in the file; `None` could not be read, which has been said.
+    /// Textures by their index in the file; `None` could not be read, and a warning has been given.
     known: HashMap<(usize, Use), Option<usize>>,
 }
 

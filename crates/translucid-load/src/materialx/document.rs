@@ -160,7 +160,7 @@ pub(super) fn shown(text: &str) -> String {
     clipped(text, 60)
 }
 
-/// So many characters of a text, on one line.
+/// The first `longest` characters of a text, on one line.
 pub(super) fn clipped(text: &str, longest: usize) -> String {
     let line: String = text.chars().take(longest).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(longest).is_some() { format!("{line}…") } else { line }

@@ -9,7 +9,7 @@
 //! | texcoord, geompropvalue, place2d | the mapping of an image |
 //! | normalmap | a map of normals |
 //!
-//! Of others the user is told, and the input keeps its default.
+//! Others get a warning, and the input keeps its default.
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ impl Signal {
     }
 }
 
-/// What an input is connected to.
+/// The origin of an input.
 enum Origin<'d> {
     /// An element with a value, which may be an input of a graph's interface.
     Value(Node<'d, 'd>, &'d str),
@@ -83,7 +83,7 @@ impl<'s, 'd> Graph<'s, 'd> {
         Self { source, folder, images: Vec::new(), reading: String::new(), chain: Vec::new(), steps: 0 }
     }
 
-    /// The value of an input of a shader; none if it has none, or one that cannot be translated, which has been said.
+    /// The value of an input of a shader; none if it has none, or (with a warning) one that cannot be translated.
     pub(super) fn read(
         &mut self,
         shader: Node<'d, 'd>,
@@ -173,7 +173,7 @@ impl<'s, 'd> Graph<'s, 'd> {
         }
     }
 
-    /// What `read` makes of a node, if that does not feed itself.
+    /// The result of `read` for a node that does not feed itself.
     fn entered<T>(
         &mut self,
         from: Node<'d, 'd>,
@@ -505,7 +505,7 @@ impl<'s, 'd> Graph<'s, 'd> {
         }
     }
 
-    /// What an input makes of the mesh's texture coordinates.
+    /// The map that an input applies to the mesh's texture coordinates.
     fn coordinates(&mut self, input: Node<'d, 'd>, scope: Node<'d, 'd>) -> Result<Affine2, SceneError> {
         let Origin::Node(node, scope, _) = self.origin(input, scope)? else { return Ok(Affine2::IDENTITY) };
         match node.tag_name().name() {

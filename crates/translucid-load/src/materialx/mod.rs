@@ -1,6 +1,6 @@
 //! MaterialX documents (.mtlx): a material of an OpenPBR Surface or an Autodesk Standard Surface.
 //!
-//! What inputs become is in [`shader`], what nodes in front of them may be in [`graph`]; of all else the user is told, once.
+//! What inputs become is in [`shader`], what nodes in front of them may be in [`graph`]; everything else gets a warning, once.
 //! Lengths have the unit that their input states, or that of the scene.
 //! Colors have the color space that is stated around them, and become linear Rec. 709.
 
@@ -27,7 +27,7 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// Most elements, attributes' texts and comments of a document.
 const MOST_NODES: u32 = 1 << 20;
 
-/// What is asked of a document.
+/// The material that is read from a document.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaterialChoice<'a> {
     /// Name of the material, needed where there are several.

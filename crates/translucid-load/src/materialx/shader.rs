@@ -171,7 +171,7 @@ impl ShadingModel {
 pub(super) struct LengthUnits {
     /// The scene's.
     pub(super) of_scene: Unit,
-    /// That of lengths that state none, if it is known.
+    /// Unit of lengths that state none, if it is known.
     pub(super) stated: Option<Unit>,
 }
 

@@ -142,7 +142,7 @@ enum Group {
 /// A mesh in its place in the scene, checked and valid.
 pub(super) struct ReadyMesh {
     mesh: Arc<Mesh>,
-    /// What is not in its vertices of the way to its place.
+    /// The part of its placement that is not baked into its vertices.
     world_from_local: Affine3A,
     /// Triangles before the repair, which others do not count.
     triangles: usize,
@@ -197,7 +197,7 @@ fn raw_shape(entry: &ObjectEntry) -> Option<Result<Mesh, SceneError>> {
     Some(build_shape(name, parameters).map_err(at_place))
 }
 
-/// What tells a mesh from others before it is there.
+/// Key that identifies a mesh before it is loaded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Source {
     /// A file, and the name of the unit of its coordinates.
@@ -210,7 +210,7 @@ enum Source {
 #[derive(Clone, Debug)]
 struct LoadedMeshFile {
     model: MeshFile,
-    /// What it was read from.
+    /// Files that it was read from.
     files: BTreeSet<PathBuf>,
     first_material: Option<usize>,
     /// Those meshes of the model that several objects have, by their address.
@@ -237,7 +237,7 @@ struct LoadedMeshFile {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SceneBuilder {
-    /// What there is so far.
+    /// The scene so far.
     pub(super) scene: Scene,
     pub(super) grouping: Grouping,
     /// The camera, if it is not to be chosen.
@@ -307,7 +307,7 @@ impl SceneBuilder {
         }
     }
 
-    /// What tells the mesh of an entry from others, with another file in place of its own; none if it is at hand.
+    /// Key of the mesh of an entry, with another file in place of its own; none if it is at hand.
     fn source(&self, entry: &ObjectEntry, replacement: Option<&Path>) -> Option<Source> {
         match &entry.geometry {
             GeometryOrigin::File { path, unit } => {

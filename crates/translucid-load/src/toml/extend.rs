@@ -51,7 +51,7 @@ pub(super) fn any_base() -> Scene {
     Scene { environment: Some(Environment::default()), ..Scene::default() }
 }
 
-/// What a scene file extends.
+/// The base that a scene file extends.
 #[derive(Clone, Debug)]
 pub(super) struct Extends {
     origin: Origin,
@@ -189,7 +189,7 @@ impl SceneFile {
         Self::parse(text, Path::new("scenes/still-life.toml"))
     }
 
-    /// Whether the file extends a mesh.
+    /// Returns `true` if the file extends a mesh.
     pub(crate) fn is_on_mesh(&self) -> bool {
         self.extends.as_ref().is_some_and(|extends| matches!(extends.origin, Origin::Mesh(_)))
     }
@@ -288,7 +288,7 @@ impl Chain {
         Ok(scene)
     }
 
-    /// What each mesh is replaced by.
+    /// The replacement of each mesh.
     fn replacements<'a>(
         &self,
         overrides: &'a [(Option<String>, PathBuf)],
@@ -309,7 +309,7 @@ impl Chain {
     }
 }
 
-/// What tells a file from others, whatever path it goes by.
+/// Identity of a file, whatever path names it.
 fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }

@@ -52,7 +52,7 @@ const KEYS: &[&str] = &[
     "environment",
 ];
 
-/// Which objects share light under the surface where they name no group.
+/// Grouping of objects that name no group: members share light under the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Grouping {
     /// None: each is a body of its own.
@@ -69,7 +69,7 @@ impl Word for Grouping {
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
 /// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
-/// Of a file that extends another, `parse` checks what can be known without that one, and `load` the rest.
+/// If a file extends another, `parse` checks what can be known without that one, and `load` checks the rest.
 /// The format is described in `docs/guide/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct SceneFile {

@@ -15,7 +15,7 @@ fn names(keys: &'static [Key]) -> impl Iterator<Item = &'static str> {
     keys.iter().map(|key| key.name)
 }
 
-/// Where an object's geometry comes from.
+/// Source of an object's geometry.
 #[derive(Clone, Debug)]
 pub(super) enum GeometryOrigin {
     /// A mesh file, and the unit of its coordinates.
@@ -54,7 +54,7 @@ impl ObjectEntry {
 
 /// Reads an object and hands its table back, for messages about its name.
 ///
-/// Where the materials are not known yet, that of the object is not looked up.
+/// If the materials are not known yet, that of the object is not looked up.
 pub(super) fn read_object<'a>(
     table: Table<'a>,
     materials: Option<&[Material]>,

@@ -231,7 +231,7 @@ impl SceneBuilder {
         Self::of(Scene { unit, ..Scene::default() })
     }
 
-    /// What there is so far; what is chosen at the end is still missing.
+    /// The scene so far, without the things that are chosen at the end.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -425,7 +425,7 @@ impl SceneBuilder {
 
     /// The scene, with a camera that shows all of it and with light where it states none.
     ///
-    /// Of the options the size and the model count.
+    /// Only the size and the model of the options count.
     ///
     /// # Errors
     /// There are no objects, or what was chosen is beyond what a scene may have.

@@ -12,7 +12,7 @@ use super::SceneFile;
 use super::extend::Base;
 use super::parse::parse;
 
-/// What a written scene file extends: its keys `extends`, `preset` and `unit`.
+/// The base that a written scene file extends: its keys `extends`, `preset` and `unit`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExtendedBase {
     /// Path of a scene or mesh, relative to the folder that the file will lie in, or "still-life".
@@ -27,7 +27,7 @@ impl ExtendedBase {
     /// A scene file that extends the base and changes its scene, `from`, into `to`.
     ///
     /// `from` is what [`load_scene`](crate::load_scene) makes of the base without further options.
-    /// The file says what is different and nothing else, and every number so that it reads back to the same bits.
+    /// The file has the differences and nothing else, and every number reads back to the same bits.
     /// Meshes are not looked at, so the objects may be without.
     /// An image of `to` is one of `from` if both share it, wherever it is in their lists.
     /// `environment_file` is the path of an environment's image that `from` does not have.
@@ -255,7 +255,7 @@ fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Tells apart what `==` does not: 0 and -0.
+/// Distinguishes values that `==` does not: 0 and -0.
 fn require_same<T: Debug>(what: &str, read: &T, wanted: &T) -> Result<(), SceneError> {
     if format!("{read:?}") == format!("{wanted:?}") {
         Ok(())

@@ -23,7 +23,7 @@
 //! - From one kind to the other: d = ℓ*/s(A), the fit of Christensen and Burley for the chosen
 //!   [`Configuration`](crate::Configuration). This is as good as the fit is ([`scaling`](crate::scaling)).
 //!
-//! What the surface albedo is called differs, and media are given it by inversions of different quality; conversions
+//! The surface albedo has different names, and media are found for it by inversions of different quality; conversions
 //! leave it as it is, but for the random walks of Blender Cycles, which do not return the color that they are told
 //! ([`CyclesWalk`]).
 //!

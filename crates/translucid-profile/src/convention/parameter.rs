@@ -44,12 +44,12 @@ pub enum Role {
 }
 
 impl Role {
-    /// Tells whether each channel has its own value.
+    /// Returns whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
         matches!(self, Self::Length | Self::Absorption | Self::Scattering)
     }
 
-    /// Value where nothing is said.
+    /// Default value.
     pub fn default(self) -> f64 {
         match self {
             Self::Length | Self::Distance => 1.0,

@@ -6,7 +6,7 @@ use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
-/// One way in which one system is told a translucent material.
+/// One way to specify a translucent material in one system.
 ///
 /// Some systems have several, with the same name and other parameters.
 #[derive(Clone, Copy, Debug)]
@@ -75,12 +75,12 @@ impl System {
         }
     }
 
-    /// Tells whether the parameters determine the surface albedo, too.
+    /// Returns whether the parameters determine the surface albedo, too.
     pub fn has_coefficients(&self) -> bool {
         self.albedo_name.is_none()
     }
 
-    /// Values where nothing is said: 1 for lengths, the system's own for factors and settings.
+    /// Default values: 1 for lengths, the system's own for factors and settings.
     pub fn defaults(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.role.default()).collect()
     }

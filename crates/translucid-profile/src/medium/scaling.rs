@@ -17,7 +17,7 @@ pub enum Configuration {
     Diffuse,
 }
 
-/// Which length a profile is built from.
+/// The length that a profile is built from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Parameterization {
     /// Mean free path ℓ in the volume.

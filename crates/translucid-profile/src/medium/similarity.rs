@@ -4,7 +4,7 @@
 //! simulations of deeply penetrating neutral particles*, J. Comput. Phys. 81, 1989: media of equal absorption σ_a and
 //! equal reduced scattering σ'_s = (1 − g) σ_s look alike from afar.
 //! Up close they do not, and a boundary that sends light back inside changes the profile at any distance.
-//! What is left to do is fitted here to walks of photons and, for g = 0, to the exact solution.
+//! The remaining differences are fitted here to walks of photons and, for g = 0, to the exact solution.
 
 use std::ops::RangeInclusive;
 
@@ -220,7 +220,7 @@ impl Similarity {
     }
 }
 
-/// Tells whether there is neither a phase function nor a boundary to account for.
+/// Returns whether there is neither a phase function nor a boundary to account for.
 pub(crate) fn is_plain(g: f64, eta: f64) -> bool {
     g == 0.0 && eta == 1.0
 }

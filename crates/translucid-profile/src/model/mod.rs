@@ -117,7 +117,7 @@ impl Model {
         }
     }
 
-    /// Tells whether the model knows boundaries (η) and phase functions (g); the others are made for an
+    /// Returns whether the model knows boundaries (η) and phase functions (g); the others are made for an
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
@@ -132,7 +132,7 @@ impl Model {
         }
     }
 
-    /// Tells whether the model distinguishes a perpendicular pencil beam from diffuse light; the others are derived for the
+    /// Returns whether the model distinguishes a perpendicular pencil beam from diffuse light; the others are derived for the
     /// pencil, and stand in for both.
     pub const fn knows_configuration(self) -> bool {
         match self {

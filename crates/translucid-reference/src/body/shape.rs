@@ -57,7 +57,7 @@ impl Shape {
         Ok(())
     }
 
-    /// Tells whether light leaves after finitely many collisions on average, though none absorbs it.
+    /// Returns whether light leaves after finitely many collisions on average, though none absorbs it.
     pub(super) fn is_finite(&self) -> bool {
         !matches!(self, Self::Wedge { .. })
     }

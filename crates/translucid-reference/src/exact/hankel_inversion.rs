@@ -146,7 +146,7 @@ impl Inversion {
         Self { total: pole_is_close.then_some(total), ..self }
     }
 
-    /// Tells whether [`beyond`](Self::beyond) is the total less what is within.
+    /// Returns whether [`beyond`](Self::beyond) is the total less what is within.
     pub(crate) fn beyond_is_difference(&self) -> bool {
         self.total.is_some()
     }

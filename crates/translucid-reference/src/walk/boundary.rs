@@ -27,7 +27,7 @@ impl Interface {
         }
     }
 
-    /// Tells which cosines are beyond the critical angle.
+    /// Returns which cosines are beyond the critical angle.
     #[inline(always)]
     pub(crate) fn reflects_totally<S: Simd>(&self, mu: Floats<S>) -> mask32x16<S> {
         (mu * mu).simd_lt(self.total_below)
@@ -78,7 +78,7 @@ impl Boundary {
         }
     }
 
-    /// Tells which depths are beyond a face.
+    /// Returns which depths are beyond a face.
     #[inline(always)]
     pub(crate) fn are_outside<S: Simd>(&self, z: Floats<S>) -> mask32x16<S> {
         z.simd_lt(0.0) | z.simd_gt(self.thickness)

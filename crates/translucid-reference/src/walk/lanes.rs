@@ -42,7 +42,7 @@ fn called_mul_add<S: Simd>(a: Floats<S>, b: Floats<S>, c: Floats<S>) -> Floats<S
     a.mul_add_precise(b, c)
 }
 
-/// Tells whether the vectors of an instruction set are so narrow, and its instructions so few, that sixteen lanes are much code:
+/// Returns whether the vectors of an instruction set are so narrow, and its instructions so few, that sixteen lanes are much code:
 /// it has no fused multiply-add, and moves single lanes faster than it compresses and expands vectors.
 #[inline(always)]
 pub(crate) fn is_narrow<S: Simd>(simd: S) -> bool {

@@ -107,7 +107,7 @@ impl Reader {
         Ok(Self { path: path.to_owned(), archive })
     }
 
-    /// Error that says what is wrong with a member.
+    /// Error that explains what is wrong with a member.
     pub(crate) fn error(&self, member: &str, problem: impl Into<String>) -> TableError {
         TableError::File { path: self.path.clone(), member: format!("{member}.npy"), problem: problem.into() }
     }
@@ -160,7 +160,7 @@ impl Reader {
         })
     }
 
-    /// Reads the data of a member, of which `size` says by its header how many bytes there must be.
+    /// Reads the data of a member; `size` computes its number of bytes from its header.
     fn read(
         &mut self,
         name: &str,

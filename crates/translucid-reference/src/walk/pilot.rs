@@ -46,7 +46,7 @@ impl From<ParameterError> for PilotError {
 }
 
 impl Problem {
-    /// Tells whether the exact solution knows it, too: isotropic scattering in a half space with η in [0.5, 3].
+    /// Returns whether the exact solution knows it, too: isotropic scattering in a half space with η in [0.5, 3].
     pub fn is_solved(&self) -> bool {
         let parameters = self.parameters();
         parameters.phase_function == PhaseFunction::ISOTROPIC

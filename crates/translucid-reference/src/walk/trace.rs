@@ -395,7 +395,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
     }
 
-    /// Tells whether so many photons are in the pool, after launching if need be.
+    /// Returns whether so many photons are in the pool, after launching if need be.
     #[inline(always)]
     fn pool_holds(&mut self, count: usize) -> bool {
         if self.pool.count < count && !self.waiting.is_empty() {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use translucid_profile::InputError;
 
-/// Where in a file something was found.
+/// Place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file; empty for a part of a scene that is made in code.

@@ -36,7 +36,7 @@ pub enum SubsurfaceNormalization {
     Energy,
 }
 
-/// What the camera sees of a surface. To all other rays it is there as it is.
+/// Visibility of a surface to the camera. All other rays meet it as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CameraVisibility {
     /// The surface.

@@ -2,7 +2,7 @@
 
 use translucid_profile::Model;
 
-/// How light under the surface is computed.
+/// Model of the light under the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SubsurfaceModel {
     /// None is named: [`Material::model`](crate::Material::model) chooses.
@@ -48,7 +48,7 @@ impl WalkSurface {
         }
     }
 
-    /// What the walk between such surfaces is, in a line.
+    /// Description of the walk between such surfaces, in a line.
     const fn description_of_walk(self) -> &'static str {
         match self {
             Self::Clear => "No profile: a walk through the volume itself, for pictures only",
@@ -90,7 +90,7 @@ impl SubsurfaceModel {
         }
     }
 
-    /// What the model is, in a line.
+    /// Description of the model, in a line.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Default => {

@@ -104,12 +104,12 @@ impl Mesh {
     }
 }
 
-/// Tells whether a vertex color can be used.
+/// Returns whether a vertex color can be used.
 pub(super) fn is_color(color: &Vec3) -> bool {
     color.cmpge(Vec3::ZERO).all() && color.cmple(Vec3::splat(Interval::FACTOR.high as f32)).all()
 }
 
-/// Tells whether a triangle has an area that its plane can be computed from in single precision.
+/// Returns whether a triangle has an area that its plane can be computed from in single precision.
 pub(super) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     let cross = (b - a).cross(c - a).length();
     let longest_squared =
@@ -117,7 +117,7 @@ pub(super) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     cross >= SMALLEST_CROSS && cross >= SMALLEST_HEIGHT * longest_squared
 }
 
-/// Tells whether triangles of at least this cross product and this height over their longest edge have an area, as
+/// Returns whether triangles of at least this cross product and this height over their longest edge have an area, as
 /// [`has_area`] does of one.
 pub(crate) fn stays_flat_enough(cross: f64, height: f64) -> bool {
     cross >= SMALLEST_CROSS && height >= SMALLEST_HEIGHT * (1.0 - 1e-6)
@@ -138,7 +138,7 @@ impl Mesh {
     }
 }
 
-/// Tells in single precision whether a triangle has far more area than [`has_area`] asks for.
+/// Returns, in single precision, whether a triangle has far more area than [`has_area`] asks for.
 ///
 /// The cross product is exact to some 1e-6 of the longest edge squared, a hundredth of what it must have here, and
 /// what overflows or underflows is not clear.

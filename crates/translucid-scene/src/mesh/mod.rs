@@ -102,8 +102,8 @@ impl Mesh {
         Some([corner(triangle[0])?, corner(triangle[1])?, corner(triangle[2])?])
     }
 
-    /// Whether as many uses of the mesh are worth a hierarchy of their own, in which a ray is transformed for each, in
-    /// place of their triangles among the others: from 2¹⁸ triangles saved on, some 25 MB.
+    /// Returns `true` if so many uses of the mesh are worth a hierarchy of their own, in which a ray is transformed for each,
+    /// in place of their triangles among the others: from 2¹⁸ triangles saved on, some 25 MB.
     pub fn is_worth_sharing(&self, uses: usize) -> bool {
         uses.saturating_sub(1).saturating_mul(self.triangles.len()) >= LEAST_SAVED
     }

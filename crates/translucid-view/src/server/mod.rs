@@ -40,7 +40,7 @@ pub(crate) struct Server {
     _runtime: tokio::runtime::Runtime,
 }
 
-/// What all handlers know.
+/// State shared by all handlers.
 #[derive(Clone)]
 struct Context {
     scene: watch::Receiver<Option<Arc<Shared>>>,

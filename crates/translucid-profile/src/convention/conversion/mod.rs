@@ -11,22 +11,22 @@ pub use names::conversion_system_names;
 pub use rows::ConvertedNumber;
 pub use setting::Setting;
 
-/// What messages call the arguments of a [`Conversion`].
+/// Names of the arguments of a [`Conversion`] in messages.
 #[derive(Clone, Copy, Debug)]
 pub struct ArgumentNames {
-    /// Of [`Conversion::from`].
+    /// Name of [`Conversion::from`].
     pub from: &'static str,
-    /// Of [`Conversion::surface_albedo`].
+    /// Name of [`Conversion::surface_albedo`].
     pub surface_albedo: &'static str,
-    /// Of [`Conversion::to`].
+    /// Name of [`Conversion::to`].
     pub to: &'static str,
-    /// Of [`Conversion::set`].
+    /// Name of [`Conversion::set`].
     pub set: &'static str,
 }
 
-/// A material in the numbers of one system, to be said in those of others.
+/// A material in the numbers of one system, to be expressed in those of others.
 ///
-/// What is equal on both sides, and how well, says [`convention`](super).
+/// [`convention`](super) explains what is equal on both sides, and how closely.
 ///
 /// ```
 /// use translucid_profile::Configuration;
@@ -51,7 +51,7 @@ pub struct ArgumentNames {
 pub struct Conversion<'a> {
     /// Parameters of the system that the material comes from.
     pub from: &'a [Setting],
-    /// Surface albedo as the system that the material comes from is told it: one or three; none where coefficients
+    /// Surface albedo in the terms of the system that the material comes from: one or three; none where coefficients
     /// determine it.
     pub surface_albedo: &'a [f64],
     /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own.
@@ -73,7 +73,7 @@ pub struct Conversion<'a> {
 pub struct Converted {
     /// The numbers, system by system, the surface albedo first.
     pub numbers: Vec<ConvertedNumber>,
-    /// Which systems have none, and which will not use theirs as they are.
+    /// Systems without numbers, and systems that will not use theirs as they are.
     pub notes: Vec<String>,
 }
 

@@ -10,7 +10,7 @@ pub fn conversion_system_names() -> Vec<&'static str> {
     names
 }
 
-/// The ways in which the system of a name is told a material.
+/// The ways to specify a material in the system of a name.
 pub(super) fn systems(argument: &str, name: &str) -> Result<Vec<&'static System>, InputError> {
     let found: Vec<_> = System::named(name).collect();
     if !found.is_empty() {

@@ -24,7 +24,7 @@ pub struct ConvertedNumber {
 }
 
 impl ConvertedNumber {
-    /// Tells whether it is the surface albedo, which all ways of a system share.
+    /// Returns whether it is the surface albedo, which all ways of a system share.
     pub(super) fn is_albedo(&self) -> bool {
         self.equal == "surface_albedo"
     }

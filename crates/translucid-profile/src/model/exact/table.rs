@@ -5,7 +5,7 @@
 //! logarithms, because far out energy falls like e^{−k₀(A) r}; in θ, because α rises to ½ before A does to 0.1,
 //! and because k₀ ~ 1 − A lets profiles change the faster the farther out.
 //! A is even about both ends of θ, so that rows go on beyond them as in a mirror.
-//! What comes out is positive, and thereby a cdf that rises, whatever the interpolation's error.
+//! The result is positive, so its cdf rises, whatever the interpolation's error.
 //!
 //! `data/exact-*.bin` are made by the example `exact_table` of `translucid-reference`: a header of text, an empty
 //! line, then rows of `f32`, least byte first.

@@ -51,7 +51,7 @@ impl SumOfGaussians {
     /// Most Gaussians in a sum.
     pub const MAX_TERMS: usize = 6;
 
-    /// Number of Gaussians in a sum where nobody says: six, as E. d'Eon and D. Luebke 2007 took for skin.
+    /// Default number of Gaussians in a sum: six, as E. d'Eon and D. Luebke 2007 took for skin.
     pub const DEFAULT_TERMS: usize = 6;
 
     /// Makes the sum of `terms` ∈ 1..=6 Gaussians for a surface albedo A ∈ [0, 1] and a length \[L\], mean free path or
