@@ -110,7 +110,7 @@ def test_cycles_materials_are_what_cycles_means():
     assert np.allclose(bright["subsurface_color"], 1 - 4 / np.sqrt(3 / 1e-6), atol=2e-4)
     assert bright["subsurface_flights"] == 256
     forward = translucid.cycles_material("RANDOM_WALK_LEGACY", **words, anisotropy=0.5)
-    assert forward["subsurface_scatter_anisotropy"] == 0.5
+    assert forward["subsurface_scatter_anisotropy"] == 0.5 and forward["subsurface_flights"] == 10 + 2 * 246
     assert np.isclose(forward["subsurface_radius"], 0.5)
     skin = translucid.cycles_material("RANDOM_WALK_SKIN", **words, alpha=0.1)
     there = convert("cycles-skin", subsurface_radius=[4, 2, 1], subsurface_scale=np.pi, surface_albedo=[0.8, 0.5, 0.2])

@@ -16,8 +16,8 @@ METHODS = {
     (5, 2): {name: name for name in ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY")},
 }
 
-#: Flights after which Cycles gives up a walk.
-MOST_FLIGHTS = 256
+#: Flights after which Cycles gives up a walk, and those after which it goes on in the similar isotropic medium.
+MOST_FLIGHTS, ANISOTROPIC_FLIGHTS = 256, 10
 
 #: Colors at which the relation of a color and what comes out is tabulated for images.
 POINTS = 4096
@@ -78,7 +78,8 @@ def cycles_material(
     RANDOM_WALK has the mean free path radius * scale; RANDOM_WALK_LEGACY, which is RANDOM_WALK before Blender 5.2, has
     radius * scale (1 - g) / 4 pi. Both are ``random-walk-rough``, RANDOM_WALK_SKIN is ``random-walk-skin``, in the medium
     that Cycles chooses. Walks end after 256 flights as they do there: whatever the color, a half space comes out no brighter
-    than 0.919.
+    than 0.919. With an anisotropy Cycles goes on in the similar isotropic medium after 10 flights; the walk here does not,
+    and ends as late as that would.
 
     Examples
     --------
@@ -117,7 +118,8 @@ def cycles_material(
         keys = {
             "subsurface_scatter_anisotropy": g,
             "subsurface_eta": min(max(ior, 1.01), 3.0),
-            "subsurface_flights": MOST_FLIGHTS,
+            # Where light is not absorbed, a flight in the similar medium stands for 1/(1 - g)
+            "subsurface_flights": round(ANISOTROPIC_FLIGHTS + (MOST_FLIGHTS - ANISOTROPIC_FLIGHTS) / (1.0 - g)),
         }
         if method == "RANDOM_WALK_SKIN":
             keys["subsurface_model"] = "random-walk-skin"
