@@ -83,12 +83,13 @@ def scaling_diffuse(albedo):
 
 def subsurface(name, albedo, mfp, method):
     material, node = shader(name, "ShaderNodeSubsurfaceScattering")
-    node.falloff = method
+    is_walk_of_52 = method == "RANDOM_WALK" and bpy.app.version >= (5, 2)
+    node.falloff = "RANDOM_WALK_LEGACY" if is_walk_of_52 else method
     node.inputs["Color"].default_value = (*albedo, 1.0)
     node.inputs["Scale"].default_value = 1.0
     # Cycles' profile has the width radius / 4π, whatever the albedo.
     widths = [4.0 * math.pi * l / scaling_diffuse(a) for a, l in zip(albedo, mfp)]
-    # Its walk has the mean free path radius / 4π; so small an index refracts nothing.
+    # Its walk before Blender 5.2, Legacy since, has the mean free path radius / 4π; so small an index refracts nothing.
     node.inputs["Radius"].default_value = widths if method == "BURLEY" else [4.0 * math.pi * l for l in mfp]
     if method != "BURLEY":
         node.inputs["IOR"].default_value, node.inputs["Roughness"].default_value = 1.01, 1.0

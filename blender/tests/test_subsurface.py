@@ -35,11 +35,11 @@ def edge_width(picture):
     return (rows[: count // 2] / lit).sum(axis=0) / count, lit
 
 
-def edge_of_light(method, anisotropy):
-    new_scene(96, 16, 2000)
+def edge_of_light(method, color=(0.8, 0.5, 0.2), samples=2000, **settings):
+    new_scene(96, 16, samples)
     bpy.context.scene.translucid.use_caustics = True
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
-    add_mesh("plane", corners * 300, [(0, 1, 2, 3)], scattering(method, (0.8, 0.5, 0.2), LENGTHS[method], Anisotropy=anisotropy))
+    add_mesh("plane", corners * 300, [(0, 1, 2, 3)], scattering(method, color, LENGTHS[method], **settings))
     # It hides the sun from one half, and is black.
     add_mesh("blind", corners * 300 + np.array([-300, 0, 250]), [(0, 1, 2, 3)], matte((0, 0, 0)))
     add_light("SUN", energy=math.pi, angle=0.0)
@@ -50,7 +50,7 @@ def edge_of_light(method, anisotropy):
 @pytest.mark.parametrize("method, anisotropy", [*((method, 0.0) for method in METHODS), *((method, 0.6) for method in METHODS if method in {"RANDOM_WALK", LEGACY_WALK})])
 def test_an_edge_of_light_is_as_wide_as_in_cycles(method, anisotropy):
     # The standard error of the widths' ratio is 0.7 % in blue, which has the least light.
-    edge_of_light(method, anisotropy)
+    edge_of_light(method, Anisotropy=anisotropy)
     ours, lit = edge_width(combined())
     theirs, lit_theirs = edge_width(render_cycles(2000))
     print(f"{method} {anisotropy}: width {(ours / theirs).round(4)}, brightness {(lit / lit_theirs).round(4)}")

@@ -42,6 +42,12 @@ const LENGTHS: i32 = 24;
 /// About so many samples judge where a fit starts.
 const THINNED: usize = 12;
 
+/// Radii between which a profile is interpolated to find where a fit starts.
+const START_RADII: u16 = 64;
+
+/// How far beyond the radii of the samples a fit may start, as a factor's logarithm: ten times.
+const MARGIN: f64 = 2.3;
+
 /// Steps that a descent usually takes.
 const USUAL_STEPS: usize = 8;
 
@@ -95,8 +101,7 @@ impl MediumFit {
 
     /// About how often a fit of so many samples asks profiles for a value, to tell how much of it is done.
     pub fn usual_evaluations(samples: usize, errors: Errors) -> u64 {
-        let starts =
-            STARTS.len() * (LENGTHS as usize + 1) * samples.div_ceil(samples.div_ceil(THINNED).max(1));
+        let starts = STARTS.len() * usize::from(START_RADII);
         // At every step the residuals and their slopes, twice by each of two parameters
         let descents = if errors == Errors::Known { 1 } else { 2 };
         (starts + descents * USUAL_STEPS * 5 * samples) as u64
@@ -227,10 +232,11 @@ impl<'a> Problem<'a> {
         let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(THINNED)).copied().collect();
         let mut best = (f64::INFINITY, [0.0, 0.5 * (low + high)]);
         for alpha in STARTS {
-            let problem = Problem::new(&thinned, solve);
+            let profile = Self::interpolated(&solve(alpha), high - low + MARGIN);
+            let interpolated = |_: f64| -> MediumProfile { Box::new(profile.clone()) };
+            let problem = Problem::new(&thinned, &interpolated);
             for i in 0..=LENGTHS {
-                // From a tenth of the least radius to ten times the greatest
-                let ln_mfp = low - 2.3 + (high - low + 4.6) * f64::from(i) / f64::from(LENGTHS);
+                let ln_mfp = low - MARGIN + (high - low + 2.0 * MARGIN) * f64::from(i) / f64::from(LENGTHS);
                 let parameters = [libm::log(alpha / (1.0 - alpha)), ln_mfp];
                 let cost = problem.residuals(&parameters).iter().map(|r| r * r).sum::<f64>();
                 if cost < best.0 {
@@ -239,6 +245,19 @@ impl<'a> Problem<'a> {
             }
         }
         best.1
+    }
+
+    /// A profile over |ln r| up to a limit, linear in ln R over ln r between a few radii: a start may be off by some percent.
+    fn interpolated(profile: &MediumProfile, limit: f64) -> impl Fn(f64) -> f64 + Clone + use<> {
+        let step = 2.0 * limit / f64::from(START_RADII - 1);
+        let ln_value =
+            |i: u16| libm::log(profile(libm::exp(f64::from(i) * step - limit)).max(f64::MIN_POSITIVE));
+        let ln_values: Rc<[f64]> = (0..START_RADII).map(ln_value).collect();
+        move |r| {
+            let place = ((libm::log(r) + limit) / step).clamp(0.0, f64::from(START_RADII - 1));
+            let i = (place as usize).min(ln_values.len() - 2);
+            libm::exp(ln_values[i] + (place - i as f64) * (ln_values[i + 1] - ln_values[i]))
+        }
     }
 
     fn values(&self, profile: &MediumProfile, ln_mfp: f64) -> Vec<f64> {
