@@ -59,7 +59,7 @@ impl ImagePool {
 ///
 /// | MTL | material |
 /// |---|---|
-/// | Kd, map_Kd | `base_color` |
+/// | Kd, map_Kd | `base_color`; a map alone is not darkened: Blender leaves out Kd beside it |
 /// | Ks, map_Ks | `specular_color`, and `specular_weight` = 2 max Ks, at most 1: ½ is what exporters write for an ordinary dielectric |
 /// | Ns | `specular_roughness` = (2/(Ns + 2))^¼ (B. Walter et al. 2007, equation 35 and below: the width is its square) |
 /// | Pr, map_Pr, Pm, map_Pm, Pc, Pcr | `specular_roughness`, `base_metalness`, `coat_weight`, `coat_roughness` |
@@ -100,6 +100,7 @@ struct Draft {
     opacity: f32,
     transmission_color: Vec3,
     illumination: u32,
+    has_color: bool,
     has_roughness: bool,
 }
 
@@ -110,6 +111,7 @@ impl Draft {
             opacity: 1.0,
             transmission_color: Vec3::ONE,
             illumination: 2,
+            has_color: false,
             has_roughness: false,
         }
     }
@@ -128,6 +130,9 @@ impl Draft {
             _ => (),
         }
         self.material.geometry_opacity.factor = self.opacity;
+        if self.material.base_color.texture.is_some() && !self.has_color {
+            self.material.base_color.factor = Vec3::ONE;
+        }
         self.material
     }
 }
@@ -143,7 +148,10 @@ impl LineReader<'_, '_> {
     fn read(&mut self, keyword: &str, rest: &str, draft: &mut Draft) -> Result<(), String> {
         let material = &mut draft.material;
         match keyword {
-            "kd" => self.color(rest, Interval::UNIT, &mut material.base_color.factor)?,
+            "kd" => {
+                draft.has_color = true;
+                self.color(rest, Interval::UNIT, &mut material.base_color.factor)?;
+            }
             "ks" => {
                 let mut color = Vec3::ZERO;
                 self.color(rest, Interval::UNIT, &mut color)?;
@@ -247,7 +255,7 @@ impl LineReader<'_, '_> {
             "map_ke" => {
                 material.emission_color.texture = Some(texture);
                 if material.emission_luminance == 0.0 {
-                    material.emission_luminance = 1.0;
+                    (material.emission_luminance, material.emission_color.factor) = (1.0, Vec3::ONE);
                 }
             }
             "map_pr" => {
@@ -405,6 +413,20 @@ mod tests {
         assert_eq!(material("Kd .5").base_color.factor, Vec3::splat(0.5));
         assert_eq!(material("illum 1").specular_weight.factor, 0.0);
         assert_eq!(material("Ks 0 0 0").specular_weight.factor, 0.0);
+    }
+
+    /// Blender 5.2 writes a map without its constant; others write a black Ke beside a map.
+    #[test]
+    fn mtl_maps_images_that_have_no_constant() {
+        let of = |lines: &str| loaded(lines).0.materials[0].clone();
+        assert_eq!(of("map_Kd grey.png\n").base_color.factor, Vec3::ONE);
+        for lines in ["Kd .5\nmap_Kd grey.png\n", "map_Kd grey.png\nKd .5\n"] {
+            assert_eq!(of(lines).base_color.factor, Vec3::splat(0.5));
+        }
+        for lines in ["map_Ke grey.png\n", "Ke 0 0 0\nmap_Ke grey.png\n"] {
+            let m = of(lines);
+            assert_eq!((m.emission_luminance, m.emission_color.factor), (1.0, Vec3::ONE));
+        }
     }
 
     #[test]
