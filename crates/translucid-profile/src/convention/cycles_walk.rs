@@ -16,7 +16,8 @@
 //! α = (1 − c^¼) A atan(B c)^C + c^¼ D atan(E c)^F,     A … F functions of g
 //! ```
 //!
-//! Both are at most 0.999999, and every walk ends after 256 flights. Seen under light from all sides, and in the mean over all
+//! Both are at most 0.999999. In place of an α below 0.2 Cycles walks with 0.2, and takes the share α/0.2 of the light.
+//! Every walk ends after 256 flights. Seen under light from all sides, and in the mean over all
 //! views, a half space of that medium returns
 //!
 //! ```text
@@ -34,6 +35,9 @@ use crate::{AlbedoInversion, Configuration, half_space_surface_albedo};
 
 /// Largest single-scattering albedo.
 const LARGEST_ALPHA: f64 = 0.999999;
+
+/// Least single-scattering albedo that Cycles walks with.
+const LEAST_ALPHA: f64 = 0.2;
 
 /// Steps of a bisection.
 const STEPS: u32 = 60;
@@ -106,7 +110,7 @@ impl CyclesWalk {
             AlbedoFit::VanDeHulst => length,
             AlbedoFit::Wrenninge(_) => (1.0 - self.g) * length,
         };
-        mfp / (1.0 - self.g * self.single_scattering_albedo(color))
+        mfp / (1.0 - self.g * self.single_scattering_albedo(color).max(LEAST_ALPHA))
     }
 
     /// Surface albedo that a color comes out as, under light from all sides and in the mean over all views.
@@ -138,6 +142,11 @@ impl CyclesWalk {
     /// Surface albedo of the medium of a color, as walks that never end would have it.
     pub fn surface_albedo_of_medium(&self, color: f64) -> f64 {
         let alpha = self.single_scattering_albedo(color);
+        let share = (alpha / LEAST_ALPHA).min(1.0);
+        share * self.surface_albedo_of_alpha(alpha.max(LEAST_ALPHA))
+    }
+
+    fn surface_albedo_of_alpha(&self, alpha: f64) -> f64 {
         let Some(inversion) = &self.inversion else {
             return half_space_surface_albedo(alpha, Configuration::Diffuse);
         };

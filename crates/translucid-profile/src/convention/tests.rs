@@ -169,7 +169,7 @@ fn transport_mean_free_paths_of_cycles_are_those_of_its_media() {
                 ("cycles-walk-legacy", CyclesWalk::legacy(g), reduced),
             ];
             for (name, walk, sigma_t) in of_system {
-                let alpha = walk.single_scattering_albedo(color);
+                let alpha = walk.single_scattering_albedo(color).max(0.2);
                 let medium = Medium::new((1.0 - alpha) * sigma_t, alpha * sigma_t, g).unwrap();
                 let found =
                     find(name).read(&[1.0, 1.0, g], SurfaceAlbedo::gray(color).unwrap(), Diffuse).unwrap();
