@@ -148,9 +148,6 @@ def render(layers=("Combined",)):
         settings.media_type = "MULTI_LAYER_IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.color_depth, settings.exr_codec = "32", "ZIP"
-    if hasattr(settings, "use_exr_interleave"):
-        # One part with all layers.
-        settings.use_exr_interleave = True
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "picture.exr")
         scene.render.use_file_extension = False

@@ -36,8 +36,21 @@ def test_picture_is_that_of_one_run(tmp_path, scene, whole, samples_per_shard, s
         SamplesPerShard=samples_per_shard, Options=" ".join(SIZE),
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert len(list((tmp_path / "shards").iterdir())) == shards
+    assert len(list((tmp_path / "shards").glob("*.shard"))) == shards
     assert_same_picture(tmp_path / "out.exr", whole)
+
+
+def test_jobs_of_other_samples_share_a_directory(tmp_path, scene):
+    """10 samples by 4 are shards of 4, 3 and 3 samples, 12 by 4 three of 4: the second job takes the first shard as it is."""
+    for samples in (SAMPLES, SAMPLES + 2):
+        done = run(
+            "picture", Scene=scene, Output=tmp_path / f"{samples}.exr", Shards=tmp_path / "shards", Samples=samples,
+            SamplesPerShard=4, Options=" ".join(SIZE),
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert_same_picture(tmp_path / f"{samples}.exr", one_run(scene, tmp_path / f"one-{samples}.exr", samples))
+    shards = {"000000-000004", "000004-000007", "000007-000010", "000004-000008", "000008-000012"}
+    assert {path.stem for path in (tmp_path / "shards").glob("*.shard")} == shards
 
 
 def test_animation_is_that_of_one_run_each(tmp_path):

@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 
 import pytest
-from conftest import CONTRIB, LONG, PROGRAM, SAMPLES, SIZE, assert_same_picture, wait_for
+from conftest import CONTRIB, LONG, PROGRAM, SAMPLES, SIZE, assert_same_picture, one_run, wait_for
 
 CONFIGURATION = """
 ClusterName=test
@@ -146,12 +146,17 @@ def test_picture_is_that_of_one_run(tmp_path, cluster, scene, whole):
     assert wait_for_end(cluster, merge) == "COMPLETED", logs(tmp_path)
     assert all((tmp_path / shard["output"]).exists() for shard in plan["shards"])
     assert_same_picture(tmp_path / "out.exr", whole)
+    # A plan of other samples, whose shards begin elsewhere
+    make_plan(scene, tmp_path, 4, SAMPLES + 3)
+    _, merge = submit(cluster, tmp_path)
+    assert wait_for_end(cluster, merge) == "COMPLETED", logs(tmp_path)
+    assert_same_picture(tmp_path / "out.exr", one_run(scene, tmp_path / "one.exr", SAMPLES + 3))
 
 
 def test_shard_out_of_time_goes_on_in_the_queue(tmp_path, cluster, scene, long_whole):
     make_plan(scene, tmp_path, 1, LONG, "--checkpoint", "0.05")
     array, merge = submit(cluster, tmp_path)
-    wait_for((tmp_path / "out-0000.shard").exists)
+    wait_for((tmp_path / f"out-000000-{LONG:06}.shard").exists)
     # What Slurm does two minutes before the limit
     slurm(cluster, "scancel", "--batch", "--signal=USR1", f"{array}_0")
     assert wait_for_end(cluster, merge) == "COMPLETED", logs(tmp_path)
@@ -162,7 +167,7 @@ def test_shard_out_of_time_goes_on_in_the_queue(tmp_path, cluster, scene, long_w
 def test_killed_shard_leaves_no_picture_and_goes_on_when_submitted_again(tmp_path, cluster, scene, long_whole, recorder):
     make_plan(scene, tmp_path, 1, LONG, "--checkpoint", "0.05")
     _, merge = submit(cluster, tmp_path, recorder)
-    wait_for((tmp_path / "out-0000.shard").exists)
+    wait_for((tmp_path / f"out-000000-{LONG:06}.shard").exists)
     os.kill(int((tmp_path / "pid").read_text()), signal.SIGKILL)
     assert wait_for_end(cluster, merge) == "CANCELLED", logs(tmp_path)
     assert not (tmp_path / "out.exr").exists()

@@ -25,7 +25,7 @@ shards, too. `translucid reference … --photons A..B --table FILE.npz` writes t
 run, whatever the parts, their order, threads and machines. Merged parts may be merged again.
 
 Examples:
-  translucid merge head.exr head-0000.shard head-0001.shard
+  translucid merge head.exr head-000000-000512.shard head-000512-001024.shard
   translucid merge rack-3.shard node-*.shard
   translucid merge --allow-gaps so-far.exr head-*.shard
   translucid merge all.npz part-*.npz";

@@ -65,6 +65,16 @@ struct Part {
     region: Option<[u32; 4]>,
 }
 
+impl Part {
+    /// The name says what is in the shard, so that shards of another plan for the same picture stay apart from it.
+    fn file_name(&self, stem: &str) -> String {
+        let Range { start, end } = self.samples;
+        let region =
+            self.region.map(|edges| edges.map(|edge| format!("-{edge}")).concat()).unwrap_or_default();
+        format!("{stem}-{start:06}-{end:06}{region}.shard")
+    }
+}
+
 /// Reads the words after `translucid render`.
 type ParseRender = dyn Fn(&mut dyn Iterator<Item = OsString>) -> clap::error::Result<render::Arguments>;
 
@@ -178,11 +188,10 @@ fn plan(
         let stem = arguments.scene.file_stem().unwrap_or_default();
         PathBuf::from(stem).with_extension("exr")
     });
-    let digits = parts.len().saturating_sub(1).to_string().len().max(4);
     let options: Vec<String> = without_region(arguments.options.iter().map(|word| text(word)));
     let mut merge = vec![String::from("translucid"), String::from("merge"), text(output.as_os_str())];
-    let shards = parts.iter().enumerate().map(|(number, part)| {
-        let name = format!("{}-{number:0digits$}.shard", text(output.file_stem().unwrap_or_default()));
+    let shards = parts.iter().map(|part| {
+        let name = part.file_name(&text(output.file_stem().unwrap_or_default()));
         let name = text(output.with_file_name(name).as_os_str());
         merge.push(name.clone());
         let Range { start, end } = part.samples;
@@ -249,6 +258,23 @@ mod tests {
             let most = samples * region.width * region.height;
             assert!(parts.len() as u32 >= count.min(most) && parts.len() as u32 <= (2 * count).min(most));
         }
+    }
+
+    #[test]
+    fn shards_of_different_parts_have_different_names() {
+        let region = PixelRect { left: 0, top: 0, width: 40, height: 30 };
+        let parts: Vec<Part> = [(10, 3), (12, 3), (12, 4), (2, 8)]
+            .into_iter()
+            .flat_map(|(samples, count)| divide(samples, region, false, count))
+            .collect();
+        for (i, a) in parts.iter().enumerate() {
+            assert!(
+                parts[..i].iter().all(|b| (a == b) == (a.file_name("head") == b.file_name("head"))),
+                "{a:?}"
+            );
+        }
+        assert_eq!(parts[1].file_name("head"), "head-000003-000006.shard");
+        assert_eq!(parts.last().unwrap().file_name("head"), "head-000001-000002-20-15-40-30.shard");
     }
 
     #[test]

@@ -301,20 +301,22 @@ type Channel = (String, Vec<f32>);
 /// Parameters
 /// ----------
 /// path : path-like
-///     The file, of scan lines or tiles, uncompressed or with ZIP, ZIPS, RLE, PIZ, PXR24 or B44 compression; of several
-///     parts the first.
+///     The file, of scan lines or tiles, uncompressed or with ZIP, ZIPS, RLE, PIZ, PXR24, B44 or DWA compression, in one
+///     part or several.
 ///
 /// Returns
 /// -------
 /// dict of numpy.ndarray
 ///     Layers of shape (H, W, channels), float32, as `write_exr` takes them: the channels R, G, B are ``'radiance'``,
 ///     A is ``'alpha'``, those with a common name before a dot the layer of that name; any other is a layer of its own.
-///     The pixels are those of the file's data window.
+///     Layers are called alike whether they are in one part or several. The pixels are those of the smallest window
+///     around the data windows of all parts, 0 outside of a part's own.
 ///
 /// Raises
 /// ------
 /// SceneError
-///     The file cannot be read, is damaged, or has more than 32768 pixels along an edge.
+///     The file cannot be read, is damaged, has another compression or deep data, or more than 32768 pixels along an
+///     edge.
 #[pyfunction]
 pub(crate) fn read_exr(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let file = long_work::run_or_leave(py, move || load_exr(&path))?.map_err(scene_error)?;
@@ -335,7 +337,9 @@ pub(crate) fn read_exr(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDi
     }
     let dict = PyDict::new(py);
     for (name, mut channels) in layers {
-        let order = |component: &str| "RGBXYZUVWA".find(component).unwrap_or(usize::MAX);
+        // Cryptomatte's are r, g, b, a
+        let order =
+            |component: &str| "RGBXYZUVWA".find(&component.to_ascii_uppercase()).unwrap_or(usize::MAX);
         channels.sort_by_key(|(component, _)| order(component));
         let count = channels.len();
         let values = py.detach(|| {

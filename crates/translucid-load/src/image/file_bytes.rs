@@ -8,6 +8,12 @@ const SMALL: usize = 1 << 22;
 /// Most pixels for each byte of a file beyond [`SMALL`]: deflate packs at most 1032 bytes in one.
 const PIXELS_PER_BYTE: usize = 2_048;
 
+/// Most values of all channels that are read for each pixel that a file may claim.
+const SAMPLES_PER_PIXEL: u64 = 16;
+
+/// Most values of all channels: 16 GiB in single precision.
+const MOST_SAMPLES: u64 = 1 << 32;
+
 /// The bytes of an image file and their place.
 pub(super) struct ImageBytes<'a> {
     pub(super) place: &'a Place,
@@ -49,5 +55,19 @@ impl ImageBytes<'_> {
             );
         }
         Ok(pixels)
+    }
+
+    /// Refuses more values of all channels together than fit in memory, or than a file of this length may hold.
+    pub(super) fn check_samples(&self, samples: u64) -> Result<(), SceneError> {
+        let length = self.bytes.len();
+        let claimed = SMALL.saturating_add(length.saturating_mul(PIXELS_PER_BYTE)) as u64;
+        let most = claimed.saturating_mul(SAMPLES_PER_PIXEL).min(MOST_SAMPLES);
+        if samples > most {
+            let message = format!(
+                "the channels hold {samples} values, but of a file of {length} bytes at most {most} are read"
+            );
+            return Err(self.error(message));
+        }
+        Ok(())
     }
 }

@@ -41,7 +41,7 @@ pub(crate) fn read_image(
     Ok(Image { path: Some(path.to_owned()), ..image })
 }
 
-/// Loads all channels of an OpenEXR file's first layer, as they are in it.
+/// Loads all channels of an OpenEXR file, whatever its parts.
 ///
 /// # Errors
 /// The file cannot be read, is damaged, of another format, or beyond what an image may have, see [`load_image`].
@@ -64,7 +64,7 @@ pub fn decode_image(
     let ([width, height], mut pixels) = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(&source, color_space)?,
         [0xff, 0xd8, 0xff, ..] => jpeg::decode(&source, warnings)?,
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source)?,
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source, warnings)?,
         [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => tiff::decode(&source, color_space)?,
         [b'#', b'?', ..] => radiance::decode(&source)?,
         _ => return Err(source.unknown_format()),
