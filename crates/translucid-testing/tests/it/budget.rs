@@ -19,7 +19,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-laboratory", 4200),
     ("translucid-load", 8700),
     ("translucid-measure", 3600),
-    ("translucid-profile", 7900),
+    ("translucid-profile", 8000),
     ("translucid-python", 4600),
     ("translucid-reference", 5700),
     ("translucid-render", 15600),
