@@ -23,7 +23,8 @@ fn rows(words: &str) -> Vec<Row> {
     let row = |line: &str| {
         let fields: Vec<&str> = line.splitn(7, ',').collect();
         let text = |i: usize| fields[i].to_owned();
-        assert!(fields[6].trim_start_matches('"').starts_with("code: ") || fields[6].contains("document: "));
+        let (kind, _) = fields[6].trim_start_matches('"').split_once(": ").expect("a kind of source");
+        assert!(["code", "document", "measured"].contains(&kind), "{kind}");
         Row {
             system: text(0),
             parameter: text(1),
