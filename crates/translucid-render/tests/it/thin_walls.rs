@@ -193,8 +193,8 @@ fn spheres_and_the_sky_reach_a_floor_through_a_pane_once() {
         // The sphere fills a cone of sin² = (1.8 / 3)² around the normal
         let light = |from: f32, to: f32| {
             let n = 10_000;
-            let at = |i: u16| from + (to - from) * (f32::from(i) + 0.5) / n as f32;
-            (0..n).map(|i| slab(at(i), Vec3::ONE).0.x * at(i)).sum::<f32>() * 2.0 * (to - from) / n as f32
+            let at = |i: u16| from + (to - from) * (f32::from(i) + 0.5) / f32::from(n);
+            (0..n).map(|i| slab(at(i), Vec3::ONE).0.x * at(i)).sum::<f32>() * 2.0 * (to - from) / f32::from(n)
         };
         let expected = GRAY * (light(0.8, 1.0) + 0.1 * light(0.0, 0.8));
         assert_within(&format!("caustics {caustics}"), result, expected);

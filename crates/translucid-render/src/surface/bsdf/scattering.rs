@@ -97,11 +97,12 @@ struct Glass {
     weight: f32,
     /// Index of the other side over that of the side of `wo`.
     eta: f32,
-    /// Inverse of the single-scattering albedo: scales both lobes to lose nothing [after Turquin 2019].
+    /// Inverse of the single-scattering albedo: scales both lobes to lose nothing [after Turquin 2019]. Of a thin wall that
+    /// of transmission.
     compensation: f32,
-    /// Tint of reflection.
+    /// Tint of reflection; of a thin wall its compensated reflectance.
     reflection_tint: Vec3,
-    /// Tint of a crossing, the coat's one-way tint included.
+    /// Tint of a crossing, the coat's one-way tint included; of a thin wall its transmittance, and both ways.
     transmission_tint: Vec3,
     /// No step of the index, or a thin wall: light goes straight on.
     is_straight: bool,
@@ -235,6 +236,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// The clear part of a thin-walled surface.
+    #[cold]
     fn fill_slab(&mut self, p: &SurfaceParameters, weight: f32, eta: f32) {
         let mu = self.wo.z;
         let slab = Slab::new(mu, eta, p.transmission_tint);
@@ -247,23 +249,24 @@ impl<'a> Bsdf<'a> {
         let under_coat = self.coat_transmittance * self.layers.specular_reflectance(mu);
         let loss = self.layers.specular_loss(mu);
         let kept = if loss > 0.0 { (1.0 - loss / under_coat).max(0.5) } else { 1.0 };
-        let reflectance = slab.reflectance * p.specular_color;
-        self.thin = Some(ThinWall {
-            matte: Vec3::ZERO,
-            probability: 0.0,
-            reflectance: reflectance * (weight / (kept * albedo(faces, p.specular_roughness))),
-            facets,
+        self.thin = Some(ThinWall { matte: Vec3::ZERO, probability: 0.0, facets });
+        self.glass = Glass {
+            weight,
             compensation: 1.0 / albedo(&facets, roughness),
-        });
-        self.glass.weight = weight;
-        self.glass.transmission_tint = slab.transmittance * self.coat_tint;
+            reflection_tint: slab.reflectance * p.specular_color
+                / (kept * albedo(faces, p.specular_roughness)),
+            transmission_tint: slab.transmittance * self.coat_tint,
+            ..self.glass
+        };
     }
 
     /// Chooses lobes as [`choose`](Self::choose) does, and divides diffuse light between the two sides; `passed` is the albedo
     /// of the other one.
+    #[cold]
     fn choose_sides(&mut self, coat: f32, reflection: Vec3, matte: Vec3, passed: Vec3) {
         let Some(mut thin) = self.thin else { return };
-        self.choose(coat, reflection + thin.reflectance * self.coat_tint, matte + passed, Vec3::ZERO);
+        let reflected = self.glass.reflection_tint * self.coat_tint * self.glass.weight;
+        self.choose(coat, reflection + reflected, matte + passed, Vec3::ZERO);
         let exchange = mean(self.facet_exchange) * PI * self.layers.average_metal_exchange();
         let all = mean(matte) + mean(passed) + exchange;
         if all > 0.0 {
@@ -460,6 +463,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Value and density for light from behind a thin wall; `wi` is its direction mirrored to this side.
+    #[cold]
     fn eval_through(&self, thin: &ThinWall, wi: Vec3) -> BsdfValue {
         let cos = wi.z;
         let mut value = BsdfValue {
@@ -470,7 +474,7 @@ impl<'a> Bsdf<'a> {
         if self.strategies.straight > 0.0 && !thin.facets.is_smooth() {
             let h = (self.wo + wi).normalize_or(Vec3::Z);
             let (shape, pdf) = facet_reflection(&thin.facets, self.wo, wi, h);
-            value.specular = self.straight() * (shape * thin.compensation);
+            value.specular = self.straight() * (shape * self.glass.compensation);
             value.pdf += self.strategies.straight * pdf;
         }
         value
@@ -488,8 +492,8 @@ impl<'a> Bsdf<'a> {
         let glass = &self.glass;
         let mut transmitted = Vec3::ZERO;
         if glass.weight > 0.0 {
-            if let Some(thin) = &self.thin {
-                reflected += thin.reflectance;
+            if self.thin.is_some() {
+                reflected += glass.reflection_tint * glass.weight;
             } else if !glass.is_straight {
                 let f = fresnel_dielectric(cos, glass.eta);
                 let weight = glass.weight * glass.compensation;

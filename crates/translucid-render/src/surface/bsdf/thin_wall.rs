@@ -36,19 +36,15 @@ impl Slab {
     }
 }
 
-/// Lobes through a thin-walled surface, and the reflection of its clear part.
+/// Lobes through a thin-walled surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThinWall {
     /// Diffuse transmission without the factors of wi, A' (…) T(ωo) / (π T̄).
     pub(super) matte: Vec3,
     /// Probability of sampling it.
     pub(super) probability: f32,
-    /// Reflectance of facets, weighted and compensated.
-    pub(super) reflectance: Vec3,
     /// Facets of clear transmission.
     pub(super) facets: Ggx,
-    /// Inverse of their albedo in single scattering.
-    pub(super) compensation: f32,
 }
 
 /// Perceptual roughness of the facets that stand for two refractions at faces of a perceptual roughness: their width is
