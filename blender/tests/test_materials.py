@@ -105,6 +105,100 @@ def test_materials_are_as_bright_as_in_cycles(make, tolerance):
     assert np.abs(ratio - 1).max() < tolerance
 
 
+HAS_THIN_WALL = "Thin Wall" in Nodes("probe").add("BsdfPrincipled").inputs
+needs_thin_wall = pytest.mark.skipif(not HAS_THIN_WALL, reason="Principled BSDF has Thin Wall since Blender 5.2")
+
+
+def thin(**inputs):
+    return of("BsdfPrincipled", Base_Color=(0.8, 0.5, 0.3), Thin_Wall=True, **inputs)
+
+
+LEAF = dict(Subsurface_Weight=1.0, Specular_IOR_Level=0.0)
+PANE = dict(Transmission_Weight=1.0)
+
+# A sheet, and the lights that are left out: under an interface Cycles' diffuse light from a direction is another than ours,
+# from all directions the same; and no sun is seen in a mirror.
+SHEETS = {
+    "leaf": (LEAF, ()),
+    "leaf forward": (LEAF | dict(Subsurface_Anisotropy=0.5), ()),
+    "leaf backward": (LEAF | dict(Subsurface_Anisotropy=-0.5), ()),
+    "half leaf": (LEAF | dict(Subsurface_Weight=0.5), ()),
+    "shiny leaf": (dict(Subsurface_Weight=1.0), ("sun",)),
+    "coated leaf": (dict(Subsurface_Weight=1.0, Coat_Weight=1.0), ("sun",)),
+    "card": (dict(Specular_IOR_Level=0.0), ()),
+    "metal": (dict(Metallic=1.0), ("sun",)),
+    "half there": (LEAF | dict(Alpha=0.5), ()),
+    "smooth pane": (PANE | dict(Roughness=0.0), ("sun",)),
+    "rough pane": (PANE | dict(Roughness=0.3), ("sun",)),
+    "pane and leaf": (LEAF | dict(Transmission_Weight=0.5, Roughness=0.0, Specular_IOR_Level=0.5), ("sun",)),
+}
+
+
+@needs_thin_wall
+@pytest.mark.parametrize("side", [0, 180], ids=["in front", "behind"])
+@pytest.mark.parametrize("inputs, left_out", SHEETS.values(), ids=SHEETS.keys())
+def test_thin_sheets_are_as_bright_as_in_cycles(inputs, left_out, side):
+    for light in {"sun", "sky"} - set(left_out):
+        scene = new_scene(16, 16, 512)
+        scene.translucid.use_caustics = True
+        add_plane(50, material=thin(**inputs))
+        add_camera((0, -5 * 3**0.5, 5), radians(60, 0, 0), type="ORTHO", ortho_scale=0.5)
+        set_world((0, 0, 0))
+        if light == "sun":
+            add_light("SUN", rotation=radians(side + 20, 0, 0), energy=np.pi, angle=0.0)
+        else:
+            # A black plane hides the other half of the sky.
+            set_world((1, 1, 1))
+            add_plane(1e4, z=-20 if side == 0 else 20, material=matte((0, 0, 0), "black"))
+        ours, theirs = combined()[..., :3].mean(axis=(0, 1)), render_cycles(512)[..., :3].mean(axis=(0, 1))
+        print(f"{light}: {ours.round(4)}, Cycles {theirs.round(4)}")
+        assert messages() == []
+        # Between a coat and what reflects under it Cycles' light is a little more, with and without Thin Wall.
+        assert ours == pytest.approx(theirs, rel=0.02 if "Coat_Weight" in inputs else 0.01, abs=0.002)
+
+
+@needs_thin_wall
+def test_light_passes_thin_panes_on_its_way_as_in_cycles():
+    scene = new_scene(16, 16, 256)
+    add_plane(50, material=matte())
+    add_plane(50, z=1, material=thin(Transmission_Weight=1.0, Roughness=0.0))
+    add_camera((0, 0, 0.5), type="ORTHO", ortho_scale=0.5)
+    add_light("SUN", rotation=radians(30, 0, 0), energy=np.pi, angle=0.0)
+    for caustics in (True, False):
+        scene.translucid.use_caustics = caustics
+        ours, theirs = combined()[..., :3].mean(axis=(0, 1)), render_cycles(256)[..., :3].mean(axis=(0, 1))
+        print(f"{ours.round(4)}, Cycles {theirs.round(4)}")
+        assert ours == pytest.approx(theirs, rel=0.02)
+
+
+@needs_thin_wall
+def test_thin_walls_are_told_from_bodies():
+    keys, said = translate(thin(Subsurface_Weight=1.0, Subsurface_Anisotropy=1.0))
+    assert keys["geometry_thin_walled"] is True and "subsurface_radius" not in keys
+    assert keys["subsurface_color"] == pytest.approx([0.8, 0.5, 0.3])
+    assert keys["subsurface_scatter_anisotropy"] == pytest.approx(1, abs=1e-3) and said == []
+    keys, said = translate(of("BsdfPrincipled", Subsurface_Weight=1.0))
+    assert "geometry_thin_walled" not in keys and said == []
+    leaf, glass = dict(Thin_Wall=True, Subsurface_Weight=1.0), dict(Transmission_Weight=1.0)
+    keys, said = translate(mixed(0.5, ("BsdfPrincipled", leaf), ("BsdfPrincipled", glass)))
+    assert keys["geometry_thin_walled"] is True and "thin-walled parts" in said[0]
+
+
+@needs_thin_wall
+def test_a_thin_wall_that_is_linked_has_its_value():
+    nodes = Nodes()
+    number = nodes.add("Value")
+    number.outputs[0].default_value = 1.0
+    keys, said = translate(nodes.surface(nodes.add("BsdfPrincipled", Thin_Wall=number.outputs[0], Subsurface_Weight=1.0)))
+    assert keys["geometry_thin_walled"] is True and said == []
+    image, _ = checker()
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    _, said = translate(nodes.surface(nodes.add("BsdfPrincipled", Thin_Wall=texture.outputs[0], Subsurface_Weight=1.0)))
+    assert len(said) == 1 and "Thin Wall cannot change over a surface" in said[0]
+
+
 def test_constant_nodes_become_numbers():
     nodes = Nodes()
     ramp = nodes.add("ValToRGB", Fac=0.25)

@@ -50,7 +50,9 @@ _NAMES = {
 
 
 def _scatters(node):
-    weight = node.inputs.get("Subsurface Weight")
+    weight, wall = (node.inputs.get(name) for name in ("Subsurface Weight", "Thin Wall"))
+    if wall is not None and wall.default_value:
+        return False
     return weight is not None and (weight.is_linked or weight.default_value > 0)
 
 

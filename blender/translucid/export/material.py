@@ -43,7 +43,7 @@ class Material:
     def scatters(self):
         """Whether light travels below its surface."""
         weight = self.keys.get("subsurface_weight", 0)
-        return isinstance(weight, dict) or weight > 0
+        return (isinstance(weight, dict) or weight > 0) and not self.keys.get("geometry_thin_walled", False)
 
     @property
     def asked(self):
@@ -335,19 +335,25 @@ def _principled(evaluator, output, weight):
         interface["coat_color"] = combine(lambda tint: tint**depth, _color(evaluator, output, "Coat Tint"))
         if output.input("Coat Normal") and output.input("Coat Normal").is_linked:
             evaluator.say(node, "a normal of the coat's own cannot be translated; it is the surface's")
-    normal = _normal(evaluator, output)
+    wall = {"geometry_thin_walled": True} if _is_thin_walled(evaluator, output) else {}
+    keys = _normal(evaluator, output) | wall
     solid = _times(weight, alpha)
     opaque = _times(solid, _rest(metallic))
     below = _times(opaque, _rest(transmission))
     parts = [
         Lobe("transparent", _times(weight, _rest(alpha)), node, _ONE),
-        Lobe("metal", _times(solid, metallic), node, base, normal, interface),
-        # Light crosses glass twice, and shall then have the base color.
-        Lobe("glass", _times(opaque, transmission), node, _glass_color(base, transmission), normal, interface),
-        Lobe("diffuse", _times(below, _rest(scattering)), node, base, normal, interface),
+        Lobe("metal", _times(solid, metallic), node, base, keys, interface),
+        # Light crosses glass twice, but a thin wall once, and shall then have the base color.
+        Lobe("glass", _times(opaque, transmission), node, base if wall else _glass_color(base, transmission), keys, interface),
+        Lobe("diffuse", _times(below, _rest(scattering)), node, base, keys, interface),
     ]
-    if not scattering.is_everywhere(0):
-        keys = transport_keys(
+    if wall and not scattering.is_everywhere(0):
+        # Scattering to both sides has no way through a body
+        g = min(max(number("Subsurface Anisotropy", 0.0), -_MOST_ANISOTROPIC), _MOST_ANISOTROPIC)
+        sides = {"subsurface_color": base, "subsurface_scatter_anisotropy": g}
+        parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | sides, interface))
+    elif not scattering.is_everywhere(0):
+        transport = transport_keys(
             node.subsurface_method,
             base,
             evaluator.value(output.input("Subsurface Radius"), [1.0, 0.2, 0.1]).color(),
@@ -357,13 +363,25 @@ def _principled(evaluator, output, weight):
             roughness.number**2,
         )
         _say_of_attribute(evaluator, node, base)
-        parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | normal, interface))
+        parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | transport, interface))
     lobes = [lobe for lobe in parts if not lobe.weight.is_everywhere(0)]
     emission = (evaluator.value(output.input(name), default) for name, default in (("Emission Color", [1.0, 1.0, 1.0]), ("Emission Strength", 0.0)))
     emitted = _radiance(evaluator, node, *emission)
     if not emitted.is_everywhere(0):
         lobes.append(Lobe("emission", solid, node, emitted))
     return lobes
+
+
+# The renderer's mean cosines are less than 1.
+_MOST_ANISOTROPIC = 0.9999
+
+
+def _is_thin_walled(evaluator, output):
+    """Whether the surface is a sheet, which Blender's have been able to be since 5.2."""
+    value = evaluator.value(output.input("Thin Wall"), 0.0)
+    if not value.is_constant:
+        evaluator.say(output.node, "Thin Wall cannot change over a surface; it is as on most of it")
+    return value.number > 0.5
 
 
 def _coat_depth(ior):
@@ -408,6 +426,7 @@ class _MaterialKeys:
         surface = [lobe for kind in ("metal", "glass", "subsurface", "diffuse") for lobe in groups[kind]]
         self.keys = {}
         self._weigh(weights, surface)
+        self._wall(groups["subsurface"] + groups["glass"])
         self._color(groups)
         self._scatter(groups["subsurface"])
         self._cover(surface, weights)
@@ -430,6 +449,14 @@ class _MaterialKeys:
         self.keys["geometry_opacity"] = combine(lambda x: np.clip(x, 0, 1), opacity)
         self._opaque = opaque
 
+    def _wall(self, passed):
+        """Whether the surface is a sheet: parts that no light passes are alike with and without an inside."""
+        walls = [lobe.keys.get("geometry_thin_walled", False) for lobe in passed]
+        if len(set(walls)) > 1:
+            self._say(passed[0], "thin-walled parts of a surface and others are all as the first that light passes")
+        if walls and walls[0]:
+            self.keys["geometry_thin_walled"] = True
+
     def _color(self, groups):
         matte = _mean_color(groups["diffuse"])
         metal = _mean_color(groups["metal"])
@@ -440,6 +467,8 @@ class _MaterialKeys:
             else:
                 # Scattering without transport is matte, too, and has a color of its own.
                 self.keys |= {"subsurface_model": "none", "subsurface_weight": _ONE, "subsurface_color": matte}
+                if "geometry_thin_walled" in self.keys:
+                    self.keys["subsurface_scatter_anisotropy"] = -_MOST_ANISOTROPIC
                 matte = None
         base = matte if matte is not None else metal
         self.keys["base_color"] = base if base is not None else Value.of(DEFAULT_COLOR)

@@ -11,7 +11,7 @@ use translucid_scene::{
     WalkSurface, Wrap,
 };
 
-/// A valid scene with every kind of light, of material and of texture, three triangulated tetrahedra and a film of 8 × 8
+/// A valid scene with every kind of light, of material and of texture, four triangulated tetrahedra and a film of 8 × 8
 /// pixels.
 pub fn scene_of_everything() -> Scene {
     let material = |name: &str, subsurface_model| Material {
@@ -26,7 +26,7 @@ pub fn scene_of_everything() -> Scene {
         camera: Camera { lens_radius: 0.01, ..Camera::default() },
         film: Film { width: 8, height: 8, ..Film::default() },
         integrator: Integrator { samples_per_pixel: 1, max_depth: 6, ..Integrator::default() },
-        objects: (0..3).map(object).collect(),
+        objects: (0..4).map(object).collect(),
         materials: vec![
             textured(material("painted", SubsurfaceModel::Profile(Model::NormalizedDiffusion))),
             material("measured", SubsurfaceModel::Tabulated(0)),
@@ -37,6 +37,11 @@ pub fn scene_of_everything() -> Scene {
                 emission_luminance: 0.5,
                 geometry_opacity: ScalarInput::constant(0.9),
                 ..material("wandering", SubsurfaceModel::RandomWalk(WalkSurface::Clear))
+            },
+            Material {
+                transmission_weight: ScalarInput::constant(0.5),
+                geometry_thin_walled: true,
+                ..material("leaf", SubsurfaceModel::Default)
             },
         ],
         images: vec![Arc::new(bytes()), Arc::new(floats())],

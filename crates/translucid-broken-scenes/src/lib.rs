@@ -305,11 +305,11 @@ mod tests {
         assert_eq!(message, "the scene has no objects, but must have at least one");
         let message = refusal(|scene| {
             scene.objects.iter_mut().for_each(|object| object.name = "twin".into());
-            scene.objects[1].material = 3;
+            scene.objects[1].material = 4;
         });
         assert_eq!(
             message,
-            "object twin (index 1), material = 3: must be less than 3, the number of materials"
+            "object twin (index 1), material = 4: must be less than 4, the number of materials"
         );
         let message = refusal(|scene| {
             scene.lights[0] = Light::Rectangle {

@@ -51,7 +51,7 @@ pub(super) fn warn_of_extent(
 /// The least, over the objects that light goes under, of their materials' longest mean free path in any channel.
 fn shortest_mean_free_path(objects: &[Object], materials: &[Material]) -> Option<f64> {
     let of_objects = objects.iter().filter_map(|object| materials.get(object.material));
-    let translucent = of_objects.filter(|material| material.subsurface_weight.factor > 0.0);
+    let translucent = of_objects.filter(|material| material.has_subsurface());
     let longest = translucent.map(|material| {
         f64::from(material.subsurface_radius.factor * material.subsurface_radius_scale.factor.max_element())
     });

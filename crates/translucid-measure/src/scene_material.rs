@@ -8,7 +8,7 @@ use crate::unknown::{Guess, Unknown};
 
 /// The material of a name, or the only one that light goes under.
 pub(crate) fn material_named(scene: &Scene, name: Option<&str>) -> Result<usize, MeasureError> {
-    let is_translucent = |material: &Material| material.subsurface_weight.factor > 0.0;
+    let is_translucent = Material::has_subsurface;
     let is_wanted = |material: &Material| match name {
         Some(name) => material.name == name,
         None => is_translucent(material),
@@ -22,14 +22,14 @@ pub(crate) fn material_named(scene: &Scene, name: Option<&str>) -> Result<usize,
     match (name, &found[..]) {
         (_, &[one]) if is_translucent(&scene.materials[one]) => Ok(one),
         (Some(name), &[_]) => {
-            Err(MeasureError::new(format!("`material` is {name}, but its subsurface_weight is 0"))
+            Err(MeasureError::new(format!("`material` is {name}, but no light goes below it"))
                 .with_help(format!("translucent materials: {}", names())))
         }
         (Some(name), _) => {
             let message = format!("`material` is {name}, but the scene has {} of that name", found.len());
             Err(MeasureError::new(message).with_help(format!("translucent materials: {}", names())))
         }
-        (None, &[]) => Err(MeasureError::new("no material of the scene has a subsurface_weight above 0")),
+        (None, &[]) => Err(MeasureError::new("light goes below no material of the scene")),
         (None, _) => Err(MeasureError::new(format!("the scene has {} translucent materials", found.len()))
             .with_help(format!("say which one by `material`: {}", names()))),
     }

@@ -195,10 +195,8 @@ impl Shared {
 
 /// A sphere around everything that is translucent or, where nothing is, around everything.
 fn bounds(scene: &Scene, picker: &Picker) -> (Vec3, f32) {
-    let is_translucent = |object: &&translucid_scene::Object| {
-        let weight = &scene.materials[object.material].subsurface_weight;
-        weight.factor > 0.0
-    };
+    let is_translucent =
+        |object: &&translucid_scene::Object| scene.materials[object.material].has_subsurface();
     let boxes = scene.objects.iter().filter(is_translucent).map(|object| object.mesh.bounds());
     let translucent = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (low, high) = translucent.unwrap_or_else(|| picker.bounds());

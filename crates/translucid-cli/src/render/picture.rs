@@ -96,7 +96,7 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
 
 /// The model of each material that light goes under.
 fn print_models(scene: &Scene) {
-    for material in scene.materials.iter().filter(|material| material.subsurface_weight.factor > 0.0) {
+    for material in scene.materials.iter().filter(|material| material.has_subsurface()) {
         let model = material.model(&scene.integrator).name();
         let is_named = material.subsurface_model != SubsurfaceModel::Default;
         let choice = if is_named { "" } else { ", by default" };

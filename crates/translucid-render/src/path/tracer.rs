@@ -145,6 +145,7 @@ impl<'a> PathTracer<'a> {
     /// | condition | change |
     /// |---|---|
     /// | the path has left a diffuse surface; probes on the disks of Cycles | every channel is Lambertian |
+    /// | it is thin-walled | what is scattered leaves on both sides |
     /// | the path is [soft](crate::path) | no clear part, rough reflections |
     /// | its diffuse depth is spent; light may pass the body straight | no matte base |
     /// | its diffuse depth is spent; any other surface | a black base |
@@ -162,6 +163,9 @@ impl<'a> PathTracer<'a> {
             subsurface.length = Vec3::ZERO;
         }
         let mut seen = stated.with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
+        if vertex.material.geometry_thin_walled {
+            seen = seen.scattered_to_both_sides(vertex.material.subsurface_scatter_anisotropy);
+        }
         if path.soft {
             seen = seen.seen_softly();
         }
@@ -186,8 +190,13 @@ impl<'a> PathTracer<'a> {
     ) -> bool {
         let v = sampler.next_4d();
         let mut drawn = bsdf.sample(v[0], [v[1], v[2]]);
-        if vertex.is_depth_spent && matches!(drawn, Some(BsdfSample::Direction { .. })) {
-            drawn = None;
+        if vertex.is_depth_spent {
+            drawn = drawn.filter(|drawn| match drawn {
+                BsdfSample::Direction { lobe, transmitted, .. } => {
+                    vertex.lets_straight_through(path, *lobe, *transmitted)
+                }
+                BsdfSample::Subsurface { .. } => true,
+            });
         }
         if path.depth == 0
             && let Some(below) = bsdf.sample_below(v[0])
@@ -244,7 +253,7 @@ impl<'a> PathTracer<'a> {
         let absorption = if same_side {
             path.absorption
         } else {
-            absorption_behind(vertex.material, vertex.point, light.direction)
+            absorption_behind(vertex.material, vertex.point, light.direction, path.absorption)
         };
         let medium = ShadowMedium { absorption, soft: vertex.soft };
         let light = weighed(world.unoccluded(vertex.point, &light, medium), mis / light.pdf);
@@ -292,7 +301,7 @@ fn pass_clear(
     material: &Material,
     surface: &SurfaceParameters,
 ) -> bool {
-    path.absorption = absorption_behind(material, point, path.ray.direction);
+    path.absorption = absorption_behind(material, point, path.ray.direction, path.absorption);
     path.pass(point, straight_transmittance(surface, point, path.ray.direction))
 }
 

@@ -55,7 +55,7 @@ impl<'a> Vertex<'a> {
 
     /// Returns `false` where the path ends by its depth.
     pub(super) fn can_scatter(&self) -> bool {
-        !self.is_depth_spent || self.can_be_passed
+        !self.is_depth_spent || self.can_be_passed || self.material.geometry_thin_walled
     }
 
     /// The exit point of light from below, for a path that arrives in a direction.
@@ -67,13 +67,24 @@ impl<'a> Vertex<'a> {
 
     /// The normal that light selection may rely on: zero where light from both sides counts.
     pub(super) fn light_normal(&self, incoming: Vec3) -> Vec3 {
-        if self.material.transmission_weight.factor > 0.0 {
+        if self.material.transmission_weight.factor > 0.0 || self.is_lit_from_behind() {
             Vec3::ZERO
         } else if incoming.dot(self.normal) > 0.0 {
             -self.normal
         } else {
             self.normal
         }
+    }
+
+    /// Returns `true` if diffuse light comes through a thin wall.
+    fn is_lit_from_behind(&self) -> bool {
+        self.material.geometry_thin_walled && self.material.subsurface_weight.factor > 0.0
+    }
+
+    /// Returns `true` if a direction drawn from the BSDF leads straight through a thin wall, as light samples go that this path
+    /// has taken before. The camera has taken none, and sees what is behind as through any glass.
+    pub(super) fn lets_straight_through(&self, path: &PathState, lobe: Lobe, transmitted: bool) -> bool {
+        self.material.geometry_thin_walled && transmitted && lobe == Lobe::Delta && path.depth > 0
     }
 
     /// Goes on in a direction drawn from the BSDF; false where the path is over.
@@ -89,7 +100,10 @@ impl<'a> Vertex<'a> {
             return false;
         }
         if transmitted {
-            path.absorption = absorption_behind(self.material, self.point, direction);
+            if self.lets_straight_through(path, lobe, transmitted) {
+                return path.pass(self.point, weight);
+            }
+            path.absorption = absorption_behind(self.material, self.point, direction, path.absorption);
         }
         let origin = MisOrigin {
             point: self.point.position,

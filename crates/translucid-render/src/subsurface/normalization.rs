@@ -40,8 +40,7 @@ impl Normalizer {
         transports: &[Arc<SubsurfaceTransport>],
     ) -> Result<Option<Self>, SceneError> {
         let is_asked_for = |material: &Material| {
-            material.subsurface_normalization == SubsurfaceNormalization::Energy
-                && material.subsurface_weight.factor > 0.0
+            material.subsurface_normalization == SubsurfaceNormalization::Energy && material.has_subsurface()
         };
         if !world.scene.materials.iter().any(is_asked_for) {
             return Ok(None);

@@ -118,9 +118,8 @@ impl Recipes {
 
     fn make(&mut self, scene: &Scene, index: usize) -> Made {
         let material = &scene.materials[index];
-        let is_absent = material.subsurface_weight.factor <= 0.0;
         match material.model(&scene.integrator) {
-            _ if is_absent => Made::new(SubsurfaceTransport::Lambertian, Vec::new()),
+            _ if !material.has_subsurface() => Made::new(SubsurfaceTransport::Lambertian, Vec::new()),
             SubsurfaceModel::RandomWalk(surface) => self.make_walk(scene, index, surface),
             model => self.make_profile(scene, index, model),
         }

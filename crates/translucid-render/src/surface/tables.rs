@@ -65,6 +65,8 @@ impl SurfaceTables {
 
 fn lets_light_through(material: &Material, integrator: &Integrator) -> bool {
     let opacity = &material.geometry_opacity;
-    let is_clear = material.transmission_weight.factor > 0.0 && !integrator.caustics;
+    // A pane does not bend light, whether caustics are asked for or not
+    let is_straight = material.geometry_thin_walled || !integrator.caustics;
+    let is_clear = material.transmission_weight.factor > 0.0 && is_straight;
     opacity.factor < 1.0 || opacity.texture.is_some() || is_clear
 }

@@ -6,8 +6,9 @@ use translucid_scene::Material;
 use super::World;
 use super::passage::{Passage, Reach};
 use crate::ray::{Ray, SurfacePoint};
+use crate::sampling::Frame;
 use crate::surface;
-use crate::surface::bsdf::{SurfaceParameters, fresnel_dielectric};
+use crate::surface::bsdf::{Bsdf, Slab, SurfaceParameters, fresnel_dielectric, scaled_ior};
 
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
@@ -101,10 +102,13 @@ fn through_surfaces(
         let clear = if soft { surface.clear_part() } else { 0.0 };
         result *= absorbed(absorption, hit.t);
         if clear > 0.0 {
-            absorption = absorption_behind(material, &point, ray.direction);
+            absorption = absorption_behind(material, &point, ray.direction, absorption);
         }
-        let straight = straight_transmittance(&surface, &point, ray.direction);
-        result *= Vec3::splat(1.0 - opacity) + straight * (opacity * clear);
+        let mut passed = straight_transmittance(&surface, &point, ray.direction) * (opacity * clear);
+        if material.geometry_thin_walled && !soft {
+            passed = through_wall(world, index, &surface, &point, ray.direction) * opacity;
+        }
+        result *= Vec3::splat(1.0 - opacity) + passed;
         if result.max_element() < LEAST {
             return Vec3::ZERO;
         }
@@ -114,8 +118,30 @@ fn through_surfaces(
     Vec3::ZERO
 }
 
-/// Absorption coefficient of the clear medium that a direction across a surface leads into [1/L].
-pub(crate) fn absorption_behind(material: &Material, point: &SurfacePoint, direction: Vec3) -> Vec3 {
+/// The share of light that a path takes straight through a thin wall.
+fn through_wall(
+    world: &World,
+    index: usize,
+    surface: &SurfaceParameters,
+    point: &SurfacePoint,
+    direction: Vec3,
+) -> Vec3 {
+    let normal = surface::shading_normal_at(&world.scene, &world.scene.materials[index], point);
+    let frame = Frame::from_normal(surface::facing(normal, point.geometric_normal, -direction));
+    Bsdf::new(surface, world.surfaces.of(index), frame.to_local(-direction)).straight_through_wall()
+}
+
+/// Absorption coefficient of the clear medium that a direction across a surface leads into from one of coefficient `before`
+/// [1/L].
+pub(crate) fn absorption_behind(
+    material: &Material,
+    point: &SurfacePoint,
+    direction: Vec3,
+    before: Vec3,
+) -> Vec3 {
+    if material.geometry_thin_walled {
+        return before;
+    }
     if direction.dot(point.geometric_normal) < 0.0 { surface::absorption(material) } else { Vec3::ZERO }
 }
 
@@ -136,6 +162,10 @@ pub(crate) fn straight_transmittance(
     direction: Vec3,
 ) -> Vec3 {
     let cosine = direction.dot(point.shading_normal).abs();
+    if surface.thin_wall.is_some() {
+        let eta = scaled_ior(surface.specular_ior, surface.specular_weight);
+        return Slab::new(cosine.min(1.0), eta, surface.transmission_tint).transmittance;
+    }
     let reflected = surface.specular_weight * fresnel_dielectric(cosine, surface.specular_ior);
     surface.transmission_tint * (1.0 - reflected)
 }

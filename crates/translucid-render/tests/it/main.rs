@@ -28,5 +28,6 @@ mod shadow_catcher;
 mod shards;
 mod sharing;
 mod textures;
+mod thin_walls;
 mod transport;
 mod views;

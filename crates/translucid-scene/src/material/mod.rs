@@ -120,6 +120,9 @@ pub struct Material {
     pub emission_color: ColorInput,
     /// 0: the surface is not there; 1: it is.
     pub geometry_opacity: ScalarInput,
+    /// Whether the surface is a sheet without an inside. Under its interface clear transmission then goes straight on, and
+    /// subsurface scattering is diffuse reflection and transmission.
+    pub geometry_thin_walled: bool,
     /// Normal map, if any.
     pub geometry_normal: Option<NormalMap>,
     /// What the camera sees of it.
@@ -160,6 +163,7 @@ impl Default for Material {
             emission_luminance: 0.0,
             emission_color: ColorInput::constant(Vec3::ONE),
             geometry_opacity: ScalarInput::constant(1.0),
+            geometry_thin_walled: false,
             geometry_normal: None,
             camera_visibility: CameraVisibility::Surface,
         }
@@ -167,6 +171,11 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Returns `true` if light travels below the surface.
+    pub fn has_subsurface(&self) -> bool {
+        self.subsurface_weight.factor > 0.0 && !self.geometry_thin_walled
+    }
+
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
     /// picture in the same time, but a profile where walks cannot do what is asked for.
     ///

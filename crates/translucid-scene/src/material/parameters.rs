@@ -126,6 +126,8 @@ impl Material {
                 "color {range}; times the factor the emitted radiance", Plain),
             field!(Material { geometry_opacity } => Slot::Scalar(geometry_opacity, Interval::UNIT),
                 "scalar {range}", Plain),
+            field!(Material { geometry_thin_walled } => Slot::Flag(geometry_thin_walled),
+                "whether it is a [sheet without an inside](materials.md#thin-walled-surfaces), such as a leaf or a pane", Plain),
             field!(Material { subsurface_model } => Slot::Model(subsurface_model); MODEL),
             field!(Material { subsurface_parameter } => Slot::Word(subsurface_parameter),
                 "`\"mfp\"`: the radius is ℓ in the volume; `\"dmfp\"`: ℓ_d on the surface", Plain),

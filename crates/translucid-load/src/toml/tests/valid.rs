@@ -166,7 +166,7 @@ fn material_reads_every_constant() {
         subsurface_scatter_anisotropy = -0.5\nsubsurface_model = \"none\"\nsubsurface_parameter = \"dmfp\"\n\
         subsurface_configuration = \"searchlight\"\nsubsurface_eta = 1.4\nsubsurface_flights = 250\n\
         subsurface_texture_at = \"both\"\nsubsurface_normalization = \"energy\"\ncamera_visibility = \"shadow\"\ncoat_weight = 0.5\ncoat_color = [1, 1, 0]\n\
-        coat_roughness = 0.1\ncoat_ior = 1.4\nemission_luminance = 100\nemission_color = [5, 6, 7]\ngeometry_opacity = 0.5";
+        coat_roughness = 0.1\ncoat_ior = 1.4\nemission_luminance = 100\nemission_color = [5, 6, 7]\ngeometry_opacity = 0.5\ngeometry_thin_walled = true";
     let color = |r, g, b| ColorInput::constant(Vec3::new(r, g, b));
     let expected = Material {
         name: String::from("m"),
@@ -199,6 +199,7 @@ fn material_reads_every_constant() {
         emission_luminance: 100.0,
         emission_color: color(5.0, 6.0, 7.0),
         geometry_opacity: ScalarInput::constant(0.5),
+        geometry_thin_walled: true,
         geometry_normal: None,
         camera_visibility: CameraVisibility::Shadow,
     };

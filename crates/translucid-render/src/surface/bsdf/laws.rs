@@ -25,6 +25,11 @@ impl Random {
         [self.next(), self.next()]
     }
 
+    /// A material of a sheet.
+    fn thin_walled(&mut self, indices: [f32; 2]) -> SurfaceParameters {
+        thin_walled(self.material(indices), 2.0 * self.next() - 1.0)
+    }
+
     fn color(&mut self) -> Vec3 {
         Vec3::new(self.corner(), self.corner(), self.corner())
     }
@@ -65,6 +70,7 @@ impl Random {
             subsurface_weight: self.corner(),
             surface_albedo: self.color(),
             subsurface_active: [self.next() < 0.5, self.next() < 0.5, self.next() < 0.5],
+            thin_wall: None,
             coat_weight: self.corner(),
             coat_color: self.color(),
             coat_roughness: self.corner(),
@@ -76,6 +82,11 @@ impl Random {
 /// A direction of cosine `mu` in the plane of x and z.
 fn direction(mu: f32) -> Vec3 {
     Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu)
+}
+
+/// A material as that of a sheet, which scatters with the mean cosine `g`.
+fn thin_walled(p: SurfaceParameters, g: f32) -> SurfaceParameters {
+    SurfaceParameters { subsurface_active: [false; 3], ..p }.scattered_to_both_sides(g)
 }
 
 fn white() -> SurfaceParameters {
@@ -161,6 +172,24 @@ fn furnace_of_clear_glass_is_one_from_both_sides() {
 }
 
 #[test]
+fn furnace_of_white_thin_wall_is_one_from_both_sides() {
+    let tables = MaterialTables::new(1.5, 1.6);
+    for side in [1.0, -1.0] {
+        for g in [-0.6, 0.0, 0.9] {
+            let sheet = thin_walled(SurfaceParameters { subsurface_weight: 0.7, ..white() }, g);
+            assert_furnace(&sheet, &tables, side, 2e-3);
+        }
+        let pane = thin_walled(SurfaceParameters { transmission_weight: 1.0, ..white() }, 0.0);
+        assert_furnace(&pane, &tables, side, 4e-3);
+        let coat = SurfaceParameters { coat_weight: 1.0, coat_roughness: 0.4, ..pane };
+        assert_furnace(&coat, &tables, side, 1e-2);
+        let all =
+            SurfaceParameters { metalness: 0.3, transmission_weight: 0.5, subsurface_weight: 0.5, ..coat };
+        assert_furnace(&all, &tables, side, 1e-2);
+    }
+}
+
+#[test]
 fn furnace_of_white_under_coat_is_one() {
     let tables = MaterialTables::new(1.5, 1.6);
     for (coat_weight, coat_roughness) in [(1.0, 0.0), (0.6, 0.0), (1.0, 0.4), (0.5, 0.9)] {
@@ -243,6 +272,26 @@ fn reflection_is_reciprocal() {
     }
 }
 
+#[test]
+fn diffuse_light_through_a_thin_wall_is_reciprocal() {
+    let mut random = Random::of(29);
+    let indices = [1.5, 1.6];
+    let tables = MaterialTables::new(indices[0], indices[1]);
+    let mut compared = 0;
+    while compared < 2_000 {
+        let p = random.thin_walled(indices);
+        let (wo, wi) = (random.direction(), random.direction());
+        if wo.z < 1e-3 || wi.z > -1e-3 {
+            continue;
+        }
+        let there = Bsdf::new(&p, &tables, wo).eval(wi).diffuse / -wi.z;
+        let back = Bsdf::new(&p, &tables, wi).eval(wo).diffuse / wo.z;
+        let difference = (there - back).abs().max_element();
+        assert!(difference <= 2e-4 * there.max_element() + 1e-6, "{p:?} {wo} {wi}: {there} {back}");
+        compared += 1;
+    }
+}
+
 /// Materials whose lobes can all be resolved by a grid on the sphere.
 fn rough_materials() -> Vec<SurfaceParameters> {
     let base = SurfaceParameters { specular_roughness: 0.45, ..white() };
@@ -261,12 +310,24 @@ fn rough_materials() -> Vec<SurfaceParameters> {
             transmission_tint: Vec3::new(0.3, 0.6, 0.9),
             ..base
         },
+        thin_walled(
+            SurfaceParameters {
+                metalness: 0.2,
+                specular_roughness: 0.8,
+                transmission_weight: 0.5,
+                subsurface_weight: 0.6,
+                coat_weight: 0.5,
+                coat_roughness: 0.4,
+                ..base
+            },
+            0.5,
+        ),
     ]
 }
 
 #[test]
 fn sample_follows_pdf() {
-    // χ² over 32 × 16 bins of the sphere, bins of fewer than 8 expected samples pooled. 25 histograms;
+    // χ² over 32 × 16 bins of the sphere, bins of fewer than 8 expected samples pooled. 30 histograms;
     // the threshold of 5 standard deviations of χ² alarms falsely once in about 1e5.
     const TURN: usize = 32;
     const COSINE: usize = 16;
@@ -324,7 +385,7 @@ fn sample_weight_is_value_over_pdf() {
     let tables = MaterialTables::new(indices[0], indices[1]);
     let mut compared = 0;
     while compared < 20_000 {
-        let p = random.material(indices);
+        let p = if compared % 4 == 0 { random.thin_walled(indices) } else { random.material(indices) };
         let bsdf = Bsdf::new(&p, &tables, random.direction());
         let sample = bsdf.sample(random.next(), random.pair());
         let Some(BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted }) = sample else {
@@ -339,7 +400,7 @@ fn sample_weight_is_value_over_pdf() {
         assert!((expected - weight).abs().max_element() <= 2e-3 * weight.max_element() + 1e-6, "{p:?} {wi}");
         let diffuse = value.diffuse / value.pdf;
         assert!((diffuse - weight * diffuse_share).abs().max_element() <= 2e-3 * weight.max_element() + 1e-6);
-        assert!(!transmitted || value.diffuse == Vec3::ZERO);
+        assert!(!transmitted || value.diffuse == Vec3::ZERO || p.thin_wall.is_some());
         compared += 1;
     }
 }
@@ -456,8 +517,8 @@ fn any_parameters_give_finite_numbers() {
     let mut random = Random::of(29);
     for indices in [[1.0, 1.0], [1.0, 4.0], [1.0005, 1.5], [1.01, 1.6], [1.5, 1.6], [4.0, 1.0], [4.0, 4.0]] {
         let tables = MaterialTables::new(indices[0], indices[1]);
-        for _ in 0..20_000 {
-            let p = random.material(indices);
+        for number in 0..20_000 {
+            let p = if number % 4 == 0 { random.thin_walled(indices) } else { random.material(indices) };
             let wo = random.direction();
             let bsdf = Bsdf::new(&p, &tables, wo);
             let albedo = bsdf.albedo();

@@ -20,6 +20,9 @@
 //! and A is the albedo of the light that enters. Subsurface scattering is the matte term with A spread over the surface,
 //! the BSSRDF `S = T(ωo) R(r) T(ωi) / (π T̄)`, which without an interface is exactly `R / π`.
 //!
+//! A [thin-walled](thin_wall) surface has the same layers on both sides, and light that comes through it leaves on the
+//! other side: `f = A' T(ωi) T(ωo) / (π T̄)` there, with A' the albedo of transmission, and clear transmission straight on.
+//!
 //! # Conventions
 //! Weights carry *basic* radiance L/n² (n the refractive index where the light is): a lossless crossing
 //! keeps its weight 1 both ways. The factor n² cancels for light that enters and leaves.
@@ -37,6 +40,7 @@ mod layers;
 mod reflectance_table;
 mod scattering;
 mod surface;
+mod thin_wall;
 
 pub use conductor::MetalFresnel;
 pub(crate) use dielectric::refract;
@@ -48,3 +52,4 @@ pub use layers::{EntryBsdf, MaterialTables};
 pub use reflectance_table::{MetalTable, ReflectanceTable};
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
 pub use surface::SurfaceParameters;
+pub(crate) use thin_wall::Slab;

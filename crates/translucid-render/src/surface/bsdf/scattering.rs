@@ -9,6 +9,7 @@ use super::dielectric::{fresnel_dielectric, reflect, refract, scaled_ior};
 use super::ggx::Ggx;
 use super::layers::{Layers, MaterialTables, coat_tint, coat_tint_one_way, sample_cosine};
 use super::surface::SurfaceParameters;
+use super::thin_wall::{Slab, ThinWall, roughness_through, through};
 
 /// Below this cosine the direction seen from is bent up: the shading normal lies, or the ray grazes.
 const MIN_COS: f32 = 1e-4;
@@ -96,13 +97,14 @@ struct Glass {
     weight: f32,
     /// Index of the other side over that of the side of `wo`.
     eta: f32,
-    /// Inverse of the single-scattering albedo: scales both lobes to lose nothing [after Turquin 2019].
+    /// Inverse of the single-scattering albedo: scales both lobes to lose nothing [after Turquin 2019]. Of a thin wall that
+    /// of transmission.
     compensation: f32,
-    /// Tint of reflection.
+    /// Tint of reflection; of a thin wall its compensated reflectance.
     reflection_tint: Vec3,
-    /// Tint of a crossing, the coat's one-way tint included.
+    /// Tint of a crossing, the coat's one-way tint included; of a thin wall its transmittance, and both ways.
     transmission_tint: Vec3,
-    /// No step of the index: light goes straight on.
+    /// No step of the index, or a thin wall: light goes straight on.
     is_straight: bool,
 }
 
@@ -134,6 +136,7 @@ pub struct Bsdf<'a> {
     // Reflection between facets without the factor of wi: f = facet_exchange · deficit(wi).
     facet_exchange: Vec3,
     glass: Glass,
+    thin: Option<ThinWall>,
     // A (…) T(ωo) / (π T̄), and whether T(ωi) follows the interface or is 1.
     matte: Vec3,
     matte_is_bare: bool,
@@ -146,11 +149,12 @@ impl<'a> Bsdf<'a> {
     /// The BSDF seen from `wo`; `wo.z` < 0 is from inside.
     ///
     /// `tables` hold the indices of refraction. An opaque surface seen from inside looks as from outside;
-    /// of one that is partly clear, the opaque part is bare from inside, and the coat only tints.
+    /// of one that is partly clear, the opaque part is bare from inside, and the coat only tints. A thin-walled one has no
+    /// inside.
     pub fn new(p: &SurfaceParameters, tables: &'a MaterialTables, wo: Vec3) -> Self {
         let p = p.clamped();
         let glass_weight = (1.0 - p.metalness) * p.transmission_weight;
-        let is_inside = wo.z < 0.0 && glass_weight > 0.0;
+        let is_inside = wo.z < 0.0 && glass_weight > 0.0 && p.thin_wall.is_none();
         let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
         let mut bsdf = Self::unlit(&p, tables, lifted(Vec3::new(wo.x, wo.y, wo.z * side)), side);
         if is_inside {
@@ -187,6 +191,7 @@ impl<'a> Bsdf<'a> {
                 transmission_tint: p.transmission_tint * coat_tint_one_way(p),
                 is_straight: true,
             },
+            thin: None,
             matte: Vec3::ZERO,
             matte_is_bare: false,
             subsurface: Vec3::ZERO,
@@ -206,7 +211,12 @@ impl<'a> Bsdf<'a> {
         self.coat_tint = coat_tint(p);
         self.dielectric = p.specular_color * (opaque * p.specular_weight);
         self.fill_metal(p.metalness * p.specular_weight);
-        self.fill_glass(p, glass_weight, scaled_ior(self.tables.specular_ior(), p.specular_weight));
+        let eta = scaled_ior(self.tables.specular_ior(), p.specular_weight);
+        if p.thin_wall.is_some() {
+            self.fill_slab(p, glass_weight, eta);
+        } else {
+            self.fill_glass(p, glass_weight, eta);
+        }
         self.matte = self.coat_tint
             * p.matte_albedo()
             * (opaque * transmittance * FRAC_1_PI / self.layers.average_transmittance());
@@ -216,7 +226,56 @@ impl<'a> Bsdf<'a> {
         let matte_albedo = self.coat_tint * p.matte_albedo() * (opaque * transmittance);
         let subsurface_albedo = self.coat_tint * travelling_albedo * subsurface;
         let reflection = (p.specular_color * (opaque * specular) + self.metal_albedo()) * self.coat_tint;
-        self.choose(coat, reflection, matte_albedo, subsurface_albedo);
+        match p.thin_wall {
+            None => self.choose(coat, reflection, matte_albedo, subsurface_albedo),
+            Some(albedo) => {
+                let passed = self.coat_tint * albedo * subsurface;
+                self.choose_sides(coat, reflection, matte_albedo, passed);
+            }
+        }
+    }
+
+    /// The clear part of a thin-walled surface.
+    #[cold]
+    fn fill_slab(&mut self, p: &SurfaceParameters, weight: f32, eta: f32) {
+        let mu = self.wo.z;
+        let slab = Slab::new(mu, eta, p.transmission_tint);
+        let roughness = roughness_through(p.specular_roughness, eta);
+        let (facets, faces) = (Ggx::from_roughness(roughness), &self.base_ggx);
+        let albedo = |ggx: &Ggx, roughness| {
+            if ggx.is_smooth() { 1.0 } else { 1.0 - self.tables.metal.deficit(mu, roughness) }
+        };
+        // The coat takes more from a rough reflection than its share.
+        let under_coat = self.coat_transmittance * self.layers.specular_reflectance(mu);
+        let loss = self.layers.specular_loss(mu);
+        let kept = if loss > 0.0 { (1.0 - loss / under_coat).max(0.5) } else { 1.0 };
+        self.thin = Some(ThinWall { matte: Vec3::ZERO, probability: 0.0, facets });
+        self.glass = Glass {
+            weight,
+            compensation: 1.0 / albedo(&facets, roughness),
+            reflection_tint: slab.reflectance * p.specular_color
+                / (kept * albedo(faces, p.specular_roughness)),
+            transmission_tint: slab.transmittance * self.coat_tint,
+            ..self.glass
+        };
+    }
+
+    /// Chooses lobes as [`choose`](Self::choose) does, and divides diffuse light between the two sides; `passed` is the albedo
+    /// of the other one.
+    #[cold]
+    fn choose_sides(&mut self, coat: f32, reflection: Vec3, matte: Vec3, passed: Vec3) {
+        let Some(mut thin) = self.thin else { return };
+        let reflected = self.glass.reflection_tint * self.coat_tint * self.glass.weight;
+        self.choose(coat, reflection + reflected, matte + passed, Vec3::ZERO);
+        let exchange = mean(self.facet_exchange) * PI * self.layers.average_metal_exchange();
+        let all = mean(matte) + mean(passed) + exchange;
+        if all > 0.0 {
+            // Light samples look for the reflected part, too, however small it is.
+            thin.probability = self.strategies.diffuse * (mean(passed) / all).min(0.99);
+        }
+        thin.matte = passed * (FRAC_1_PI / self.layers.average_transmittance());
+        self.strategies.diffuse -= thin.probability;
+        self.thin = Some(thin);
     }
 
     fn fill_from_inside(&mut self, p: &SurfaceParameters, glass_weight: f32) {
@@ -282,7 +341,7 @@ impl<'a> Bsdf<'a> {
         let has_coat = self.coat_weight > 0.0 && self.tables.coat_ior() > 1.0;
         let has_facets = self.metal_weight > 0.0
             || self.dielectric.max_element() > 0.0 && self.tables.specular_ior() > 1.0
-            || self.glass.weight > 0.0 && has_step;
+            || self.glass.weight > 0.0 && (has_step || self.thin.is_some());
         let facets = mean(reflection) + if has_step { mean(glass) } else { 0.0 };
         self.strategies = Strategies {
             coat: if has_coat { coat.max(MIN_LOBE) } else { 0.0 },
@@ -371,6 +430,9 @@ impl<'a> Bsdf<'a> {
     }
 
     fn eval_transmission(&self, wi: Vec3) -> BsdfValue {
+        if let Some(thin) = &self.thin {
+            return self.eval_through(thin, through(wi));
+        }
         let glass = &self.glass;
         if glass.weight == 0.0 || glass.is_straight || self.base_ggx.is_smooth() {
             return BsdfValue::default();
@@ -400,6 +462,24 @@ impl<'a> Bsdf<'a> {
         }
     }
 
+    /// Value and density for light from behind a thin wall; `wi` is its direction mirrored to this side.
+    #[cold]
+    fn eval_through(&self, thin: &ThinWall, wi: Vec3) -> BsdfValue {
+        let cos = wi.z;
+        let mut value = BsdfValue {
+            diffuse: thin.matte * (self.layers.transmittance(cos) * cos),
+            specular: Vec3::ZERO,
+            pdf: thin.probability * cos * FRAC_1_PI,
+        };
+        if self.strategies.straight > 0.0 && !thin.facets.is_smooth() {
+            let h = (self.wo + wi).normalize_or(Vec3::Z);
+            let (shape, pdf) = facet_reflection(&thin.facets, self.wo, wi, h);
+            value.specular = self.straight() * (shape * self.glass.compensation);
+            value.pdf += self.strategies.straight * pdf;
+        }
+        value
+    }
+
     /// Reflectance and transmittance of a base facet seen at `cos`, the coat's tints but not its shadow included.
     fn split_at_facet(&self, cos: f32) -> FacetSplit {
         let mut reflected = Vec3::ZERO;
@@ -411,11 +491,15 @@ impl<'a> Bsdf<'a> {
         }
         let glass = &self.glass;
         let mut transmitted = Vec3::ZERO;
-        if glass.weight > 0.0 && !glass.is_straight {
-            let f = fresnel_dielectric(cos, glass.eta);
-            let weight = glass.weight * glass.compensation;
-            reflected += glass.reflection_tint * (f * weight);
-            transmitted = glass.transmission_tint * ((1.0 - f) * weight);
+        if glass.weight > 0.0 {
+            if self.thin.is_some() {
+                reflected += glass.reflection_tint * glass.weight;
+            } else if !glass.is_straight {
+                let f = fresnel_dielectric(cos, glass.eta);
+                let weight = glass.weight * glass.compensation;
+                reflected += glass.reflection_tint * (f * weight);
+                transmitted = glass.transmission_tint * ((1.0 - f) * weight);
+            }
         }
         reflected *= self.coat_tint;
         let (r, t) = (mean(reflected), mean(transmitted));
@@ -438,7 +522,12 @@ impl<'a> Bsdf<'a> {
             return self.sample_coat(v);
         }
         if take(&mut u, s.straight) {
-            return self.sample_straight();
+            return self.sample_straight(v);
+        }
+        if let Some(thin) = &self.thin
+            && take(&mut u, thin.probability)
+        {
+            return self.finish(through(sample_cosine(v)), Lobe::Diffuse);
         }
         if s.facets > 0.0 { self.sample_facets((u / s.facets).clamp(0.0, 1.0), v) } else { None }
     }
@@ -456,14 +545,36 @@ impl<'a> Bsdf<'a> {
             return Some(self.mirror(reflect(self.wo, Vec3::Z), Vec3::splat(f / self.strategies.coat)));
         }
         let h = self.coat_ggx.sample_visible(self.wo, v);
-        self.finish(reflect(self.wo, h), Lobe::Glossy)
+        let wi = reflect(self.wo, h);
+        // Below the horizon it would count as light through the wall
+        if wi.z <= 0.0 && self.thin.is_some() {
+            return None;
+        }
+        self.finish(wi, Lobe::Glossy)
     }
 
-    fn sample_straight(&self) -> Option<BsdfSample> {
+    fn sample_straight(&self, v: [f32; 2]) -> Option<BsdfSample> {
+        if let Some(thin) = &self.thin
+            && !thin.facets.is_smooth()
+        {
+            let wi = reflect(self.wo, thin.facets.sample_visible(self.wo, v));
+            return if wi.z > 0.0 { self.finish(through(wi), Lobe::Glossy) } else { None };
+        }
         let glass = &self.glass;
         let weight =
             glass.transmission_tint * (glass.weight * self.coat_transmittance / self.strategies.straight);
         Some(self.mirror(-self.wo, weight))
+    }
+
+    /// The share of light that goes straight through, or, through a rough thin wall, about straight.
+    fn straight(&self) -> Vec3 {
+        self.glass.transmission_tint * (self.glass.weight * self.coat_transmittance)
+    }
+
+    /// The share of light that goes straight through a thin wall.
+    pub(crate) fn straight_through_wall(&self) -> Vec3 {
+        let is_smooth = self.thin.is_some_and(|thin| thin.facets.is_smooth());
+        if is_smooth && self.strategies.straight > 0.0 { self.straight() } else { Vec3::ZERO }
     }
 
     fn sample_facets(&self, u: f32, v: [f32; 2]) -> Option<BsdfSample> {

@@ -32,6 +32,9 @@ pub struct SurfaceParameters {
     pub surface_albedo: Vec3,
     /// Channels with a mean free path above 0; the others are Lambertian with the same factors.
     pub subsurface_active: [bool; 3],
+    /// Of a thin-walled surface the albedo of the light that is scattered to its other side, of which there is as much as of
+    /// `surface_albedo`; `None` where there is an inside.
+    pub thin_wall: Option<Vec3>,
     /// Strength of the clear coat.
     pub coat_weight: f32,
     /// Tint of the layers under the coat: two passes, one each way.
@@ -57,6 +60,7 @@ impl Default for SurfaceParameters {
             subsurface_weight: 0.0,
             surface_albedo: Vec3::splat(0.8),
             subsurface_active: [true; 3],
+            thin_wall: None,
             coat_weight: 0.0,
             coat_color: Vec3::ONE,
             coat_roughness: 0.0,
@@ -78,6 +82,7 @@ impl SurfaceParameters {
             transmission_tint: unit_color(self.transmission_tint),
             subsurface_weight: unit(self.subsurface_weight),
             surface_albedo: unit_color(self.surface_albedo),
+            thin_wall: self.thin_wall.map(unit_color),
             coat_weight: unit(self.coat_weight),
             coat_color: unit_color(self.coat_color),
             coat_roughness: unit(self.coat_roughness),
@@ -89,6 +94,14 @@ impl SurfaceParameters {
     #[must_use]
     pub(crate) fn with_subsurface(self, surface_albedo: Vec3, active: BVec3) -> Self {
         Self { surface_albedo, subsurface_active: active.into(), ..self }
+    }
+
+    /// The thin-walled surface whose scattering with the mean cosine `g` is divided between its sides
+    /// [OpenPBR Surface 1.1, "Thin-walled mode"].
+    #[must_use]
+    pub(crate) fn scattered_to_both_sides(self, g: f32) -> Self {
+        let half = 0.5 * self.surface_albedo;
+        Self { surface_albedo: half * (1.0 - g), thin_wall: Some(half * (1.0 + g)), ..self }
     }
 
     /// The surface without its clear part and with rough reflections, as [soft](crate::path) paths see it.
@@ -106,7 +119,13 @@ impl SurfaceParameters {
     /// paths then find light there.
     #[must_use]
     pub(crate) fn without_diffuse(self) -> Self {
-        Self { subsurface_weight: 1.0, surface_albedo: Vec3::ZERO, subsurface_active: [false; 3], ..self }
+        Self {
+            subsurface_weight: 1.0,
+            surface_albedo: Vec3::ZERO,
+            subsurface_active: [false; 3],
+            thin_wall: self.thin_wall.map(|_| Vec3::ZERO),
+            ..self
+        }
     }
 
     /// The surface without its matte base, for such paths above a body that light may pass straight.
