@@ -546,8 +546,8 @@ impl<'a> Bsdf<'a> {
         }
         let h = self.coat_ggx.sample_visible(self.wo, v);
         let wi = reflect(self.wo, h);
-        // Below the horizon it would count as light through the wall
-        if wi.z <= 0.0 && self.thin.is_some() {
+        // Below the horizon it would count as light through a wall or glass
+        if wi.z <= 0.0 {
             return None;
         }
         self.finish(wi, Lobe::Glossy)
