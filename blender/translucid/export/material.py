@@ -224,10 +224,14 @@ def _facets(evaluator, output, default=0.5):
     if roughness.is_everywhere(0):
         return {"specular_roughness": roughness}
     _say_unless_zero(evaluator, output, "Anisotropy", "anisotropic reflection cannot be translated; it is isotropic")
-    if output.node.distribution != "MULTI_GGX":
-        name = output.node.bl_rna.properties["distribution"].enum_items[output.node.distribution].name
-        evaluator.say(output.node, f"the distribution {name} cannot be translated; it is Multiscatter GGX")
+    _say_of_distribution(evaluator, output.node)
     return {"specular_roughness": roughness}
+
+
+def _say_of_distribution(evaluator, node):
+    if node.distribution != "MULTI_GGX":
+        name = node.bl_rna.properties["distribution"].enum_items[node.distribution].name
+        evaluator.say(node, f"the distribution {name} cannot be translated; it is Multiscatter GGX")
 
 
 def schlick(f0, cosine):
@@ -388,6 +392,10 @@ def _principled(evaluator, output, weight):
     interface = {"specular_roughness": roughness, "specular_ior": Value.of(index)}
     if not tint.is_everywhere(1):
         interface["specular_color"] = tint
+        if not metallic.is_everywhere(1):
+            evaluator.say(node, "the specular tint colors reflections at grazing angles, too")
+    if not (metallic.is_everywhere(0) and transmission.is_everywhere(0)):
+        _say_of_distribution(evaluator, node)
     if not coat.is_everywhere(0):
         interface |= {
             "coat_weight": coat,
@@ -395,7 +403,10 @@ def _principled(evaluator, output, weight):
             "coat_ior": evaluator.value(output.input("Coat IOR"), 1.5),
         }
         depth = _coat_depth(interface["coat_ior"].number)
-        interface["coat_color"] = combine(lambda tint: tint**depth, _color(evaluator, output, "Coat Tint"))
+        coat_tint = _color(evaluator, output, "Coat Tint")
+        if not coat_tint.is_everywhere(1):
+            evaluator.say(node, "the tint of a coat is the same in all directions, that of their mean")
+        interface["coat_color"] = combine(lambda tint: tint**depth, coat_tint)
         if output.input("Coat Normal") and output.input("Coat Normal").is_linked:
             evaluator.say(node, "a normal of the coat's own cannot be translated; it is the surface's")
     normal = _normal(evaluator, output)
