@@ -210,6 +210,7 @@ SAID = {
     "distribution": (lambda n: with_property(n.add("BsdfAnisotropic"), distribution="GGX"), "Glossy BSDF: the distribution GGX"),
     "conductor": (lambda n: with_property(n.add("BsdfMetallic"), fresnel_type="PHYSICAL_CONDUCTOR"), "Metallic BSDF: physical conductors"),
     "bright": (lambda n: n.add("BsdfDiffuse", Color=n.add("Math", i0=1.0, i1=1.0).outputs[0]), "Diffuse BSDF: Color above 1"),
+    "environment": (lambda n: n.add("BsdfDiffuse", Color=with_property(n.add("TexEnvironment"), image=checker()[0]).outputs[0]), "Environment Texture: an environment"),
     "no image": (lambda n: n.add("BsdfDiffuse", Color=n.add("TexImage").outputs[0]), "Image Texture: it has no image"),
 }
 

@@ -249,7 +249,7 @@ def of_the_camera(change):
 
 SEEN = {
     "an image that is missing": (missing_image, "material textured: Image Texture: image gone cannot be read and is magenta"),
-    "numbers in a circle": (looping("Math", 0, "Color"), None),
+    "numbers in a circle": (looping("Math", 0, "Color"), "material loop: Diffuse BSDF: Color above 1"),
     "shaders in a circle": (looping("MixShader", 1, None), None),
     "groups in groups": (nested_groups, None),
     "a group of nothing": (empty_group, "material hollow: Group: a Group node cannot be translated; it is diffuse"),

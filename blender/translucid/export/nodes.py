@@ -116,6 +116,11 @@ class Evaluator:
                 self._values[key] = evaluate(self, output)
         return self._values[key]
 
+    @property
+    def sees_directions(self):
+        """Whether textures are looked up by the direction of a ray, as those of a world."""
+        return self._placement_of is not Evaluator._uv_placement
+
     def placement(self, socket, wrap):
         """How the texture that takes these coordinates lies on the surface."""
         return self._placement_of(self, socket, wrap)
@@ -191,6 +196,12 @@ def _image_texture(evaluator, output):
         if node.extension == "CLIP":
             evaluator.say(node, "the extension Clip cannot be translated; the edge is extended")
         wrap = _EXTENSIONS[node.extension]
+    elif not evaluator.sees_directions:
+        evaluator.say(node, "an environment on a surface cannot be translated; the UV map is used")
+    elif node.projection != "EQUIRECTANGULAR":
+        evaluator.say(node, "the projection Mirror Ball cannot be translated; it is equirectangular")
+    if node.interpolation == "Closest":
+        evaluator.say(node, "the interpolation Closest cannot be translated; it is linear")
     placement = evaluator.placement(output.input("Vector"), wrap)
     alpha = pixels[..., 3:4]
     if alpha.dtype == np.uint8:
