@@ -373,7 +373,7 @@ def table(found):
         same = sum(row["state"] == "equal" for row in rows)
         for (state, text), group in groups.items():
             ratios = np.array([row["ratio"] for row in group])
-            span = f"{ratios.min():.2f} to {ratios.max():.2f}"
+            span = f"{ratios.min():.2f} to {ratios.max():.2f}" if ratios.max() < 100 else "black in Cycles"
             settings = worded(group) if len(group) < len(rows) else "all"
             lines.append(f"| {label(kind)} | {settings} | {span} | {text if state == 'said' else '**silent**'} |")
         if groups and same:
