@@ -282,7 +282,7 @@ def test_modifiers_shape_keys_and_other_surfaces():
     assert x + 32 == pytest.approx(32 + 0.5 * 64 / 3, abs=0.2)
     assert y == pytest.approx(32 + 0.5 * 64 / 3, abs=0.3)
     assert picture[:, :32, 2].sum() > 10, "the text is not seen"
-    assert messages() == []
+    assert messages() == ["object Text: an open surface that glows shines from its front only"]
 
 
 def test_what_is_hidden_is_not_rendered():

@@ -55,10 +55,14 @@ BESIDE_CYCLES = {
     "metal": (lambda: of("BsdfPrincipled", Base_Color=(0.9, 0.6, 0.3), Metallic=1.0, Roughness=0.3), 0.015),
     "half metal": (lambda: of("BsdfPrincipled", Base_Color=(0.9, 0.6, 0.3), Metallic=0.5, Roughness=0.3), 0.015),
     "specular level": (lambda: of("BsdfPrincipled", Base_Color=(0.1,) * 3, Specular_IOR_Level=0.9, Roughness=0.3), 0.015),
-    "coat": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Coat_Weight=1.0, Coat_Tint=(0.9, 0.8, 0.7)), 0.01),
+    "coat": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Coat_Weight=1.0), 0.01),
     "half transparent": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Alpha=0.4), 0.01),
     "glowing": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Emission_Color=(0.2, 0.5, 1), Emission_Strength=1.5), 0.01),
     "glossy": (lambda: of(*GLOSSY[:1], **GLOSSY[1]), 0.015),
+    "dark glossy": (lambda: of("BsdfAnisotropic", Color=(0.4, 0.2, 0.1), Roughness=0.3), 0.015),
+    "metallic": (lambda: of("BsdfMetallic", Base_Color=(0.6, 0.4, 0.2), Edge_Tint=(0.2, 0.5, 0.9), Roughness=0.3), 0.015),
+    "diffuse and glossy added": (lambda: mixed(None, ("BsdfDiffuse", dict(Color=(0.6, 0.3, 0.1))), ("BsdfAnisotropic", dict(Color=(0.2, 0.2, 0.2), Roughness=0.3)), "AddShader"), 0.015),
+    "two diffuse added": (lambda: mixed(None, ("BsdfDiffuse", dict(Color=(0.6, 0.3, 0.1))), ("BsdfDiffuse", dict(Color=(0.1, 0.2, 0.5))), "AddShader"), 0.01),
     "glass": (lambda: of("BsdfGlass", Color=(0.9, 0.9, 0.7), Roughness=0.0), 0.02),
     "diffuse and glossy": (lambda: mixed(0.3, DIFFUSE, GLOSSY), 0.015),
     "two diffuse": (lambda: mixed(0.3, DIFFUSE, BLUE), 0.01),
@@ -283,11 +287,24 @@ def test_models_are_a_menu_away():
     assert exact["subsurface_color"] == pytest.approx([0.8, 0.5, 0.2]) and as_node["subsurface_color"][0] > 0.81
 
 
+def with_property(node, **properties):
+    for name, value in properties.items():
+        setattr(node, name, value)
+    return node
+
+
 SAID = {
     "noise": (lambda n: n.add("BsdfDiffuse", Color=n.add("TexNoise").outputs[1]), "Noise Texture: a Noise Texture node"),
     "bump": (lambda n: n.add("BsdfDiffuse", Normal=n.add("Bump").outputs[0]), "Bump: normals from a Bump node"),
     "toon": (lambda n: n.add("BsdfToon"), "Toon BSDF: a Toon BSDF node cannot be translated; it is diffuse"),
     "sheen": (lambda n: n.add("BsdfPrincipled", Sheen_Weight=0.3), "Principled BSDF: sheen"),
+    "coat's tint": (lambda n: n.add("BsdfPrincipled", Coat_Weight=1.0, Coat_Tint=(0.9, 0.8, 0.7)), "Principled BSDF: the tint of a coat"),
+    "specular tint": (lambda n: n.add("BsdfPrincipled", Specular_Tint=(0.9, 0.8, 0.7)), "Principled BSDF: the specular tint"),
+    "thin film": (lambda n: n.add("BsdfGlass", Thin_Film_Thickness=300.0), "Glass BSDF: a thin film"),
+    "distribution": (lambda n: with_property(n.add("BsdfAnisotropic"), distribution="GGX"), "Glossy BSDF: the distribution GGX"),
+    "conductor": (lambda n: with_property(n.add("BsdfMetallic"), fresnel_type="PHYSICAL_CONDUCTOR"), "Metallic BSDF: physical conductors"),
+    "bright": (lambda n: n.add("BsdfDiffuse", Color=n.add("Math", i0=1.0, i1=1.0).outputs[0]), "Diffuse BSDF: Color above 1"),
+    "environment": (lambda n: n.add("BsdfDiffuse", Color=with_property(n.add("TexEnvironment"), image=checker()[0]).outputs[0]), "Environment Texture: an environment"),
     "no image": (lambda n: n.add("BsdfDiffuse", Color=n.add("TexImage").outputs[0]), "Image Texture: it has no image"),
 }
 
@@ -303,6 +320,85 @@ def test_what_cannot_be_translated_is_said_and_seen(make, text):
     assert len(messages()) == 1
     assert messages()[0].startswith(f"material odd: {text}")
     assert picture[..., :3].max() > 0.1, "it is black"
+
+
+def test_an_open_surface_that_glows_is_said():
+    new_scene(16, 16, 8)
+    add_plane(2, material=of(*EMISSION[:1], **EMISSION[1]))
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=2)
+    combined()
+    assert messages() == ["object plane: an open surface that glows shines from its front only"]
+    bpy.data.objects.remove(bpy.data.objects["plane"])
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1)
+    bpy.context.object.data.materials.append(of(*EMISSION[:1], **EMISSION[1]))
+    combined()
+    assert messages() == []
+
+
+def test_a_texture_where_one_number_is_wanted_is_said():
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image, _ = checker()
+    keys, said = translate(nodes.surface(nodes.add("BsdfPrincipled", IOR=texture.outputs[0])))
+    assert len(said) == 1 and said[0].endswith("Principled BSDF: a texture of IOR cannot be translated; its mean is used")
+
+
+@pytest.mark.skipif(not HAS_LEGACY_WALK, reason="before Blender 5.2 a negative anisotropy counts as 0")
+def test_scattering_backward_is_said():
+    _, said = translate(scattering("SubsurfaceScattering", "RANDOM_WALK", Anisotropy=-0.5))
+    assert len(said) == 1 and "scattering backward" in said[0]
+    assert translate(scattering("SubsurfaceScattering", "BURLEY", Anisotropy=-0.5))[1] == []
+
+
+def test_a_hidden_color_counts():
+    nodes = Nodes()
+    gamma = nodes.add("Gamma", Color=(0.25, 0.5, 0.75), Gamma=2.0)
+    keys, said = translate(nodes.surface(nodes.add("BsdfDiffuse", Color=gamma.outputs[0])))
+    assert keys["base_color"] == pytest.approx([0.0625, 0.25, 0.5625]) and said == []
+
+
+def value_of(kind, properties, inputs):
+    """The color of a surface by the enabled output of a node."""
+    nodes = Nodes()
+    node = with_property(nodes.add(kind), **properties)
+    for socket, value in zip([socket for socket in node.inputs if socket.enabled], inputs, strict=False):
+        socket.default_value = (*value, 1) if socket.type == "RGBA" else value
+    output = next(output for output in node.outputs if output.enabled)
+    keys, said = translate(nodes.surface(nodes.add("BsdfDiffuse", Color=output)))
+    assert said == []
+    return keys["base_color"]
+
+
+A, B, C = (0.3, 0.6, 0.9), (0.5, 0.2, 0.4), (0.1, 0.7, 0.2)
+
+# Kind, properties, inputs; the color worked out by hand.
+WORKED_OUT = [
+    ("Math", dict(operation="WRAP"), (0.9, 0.5, 0.2), [0.3] * 3),
+    ("Math", dict(operation="PINGPONG"), (0.7, 0.5), [0.3] * 3),
+    ("Math", dict(operation="SNAP"), (0.7, 0.25), [0.5] * 3),
+    ("Math", dict(operation="SMOOTH_MIN"), (0.5, 0.5, 0.3), [0.45] * 3),
+    ("Math", dict(operation="SMOOTH_MAX"), (0.5, 0.5, 0.3), [0.55] * 3),
+    ("Math", dict(operation="POWER"), (-0.5, 2.0), [0.25] * 3),
+    ("Math", dict(operation="LOGARITHM"), (0.5, 1.0), [0.0] * 3),
+    ("VectorMath", dict(operation="MULTIPLY"), (A, B), [0.15, 0.12, 0.36]),
+    ("VectorMath", dict(operation="CROSS_PRODUCT"), (B, A), [0, 0, 0.24]),
+    ("VectorMath", dict(operation="DOT_PRODUCT"), (A, B), [0.63] * 3),
+    ("VectorMath", dict(operation="FACEFORWARD"), (A, B, (-1, 0, 0)), list(A)),
+    ("VectorMath", dict(operation="REFLECT"), (A, (0, 0, 1)), [0.3, 0.6, 0]),
+    ("MapRange", dict(interpolation_type="STEPPED"), (0.6, 0.0, 1.0, 0.0, 1.0, 4.0), [0.75] * 3),
+    ("MapRange", dict(interpolation_type="SMOOTHERSTEP"), (0.5, 0.0, 1.0, 0.2, 0.6), [0.4] * 3),
+    ("VectorRotate", dict(rotation_type="Z_AXIS"), ((0, 0, 0.5), (0, 0, 0), np.pi / 2), [0, 0, 0]),
+    ("CombineColor", dict(mode="HSL"), (0.0, 1.0, 0.25), [0.5, 0, 0]),
+    ("MixRGB", dict(blend_type="HUE"), (1.0, (0.6, 0.3, 0.3), (0, 0, 0.4)), [0.3, 0.3, 0.6]),
+    ("MixRGB", dict(blend_type="VALUE"), (0.5, (0.6, 0.3, 0.3), (0, 0, 0.4)), [0.5, 0.25, 0.25]),
+    ("MixRGB", dict(blend_type="DODGE"), (0.5, (0.3, 0.3, 0.3), (0.8, 0.8, 0.8)), [0.5] * 3),
+    ("MixRGB", dict(blend_type="BURN"), (0.5, (0.7, 0.7, 0.7), (0.2, 0.2, 0.2)), [0.5] * 3),
+]
+
+
+@pytest.mark.parametrize("kind, properties, inputs, color", WORKED_OUT, ids=["-".join([row[0], *row[1].values()]) for row in WORKED_OUT])
+def test_operations_are_cycles_own(kind, properties, inputs, color):
+    assert value_of(kind, properties, inputs) == pytest.approx(color, abs=1e-5)
 
 
 def test_a_material_without_a_surface_is_said_and_seen():

@@ -5,7 +5,7 @@ A surface is a sum of weighted lobes, which Mix Shader and Principled BSDF make 
 holds one of each kind: a metal, clear glass, subsurface scattering and a matte base, under a coat, partly transparent.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -44,6 +44,11 @@ class Material:
         """Whether light travels below its surface."""
         weight = self.keys.get("subsurface_weight", 0)
         return (isinstance(weight, dict) or weight > 0) and not self.keys.get("geometry_thin_walled", False)
+
+    @property
+    def glows(self):
+        """Whether it shines of its own."""
+        return self.keys.get("emission_luminance", 0) > 0
 
     @property
     def asked(self):
@@ -154,13 +159,24 @@ def _add(evaluator, output, weight):
     return [lobe for source in sources if source is not None for lobe in _lobes(evaluator, source, weight)]
 
 
+def _number(evaluator, output, name, default):
+    """One number for the whole surface."""
+    value = evaluator.value(output.input(name), default)
+    if not value.is_constant:
+        evaluator.say(output.node, f"a texture of {name} cannot be translated; its mean is used")
+    return value.number
+
+
 def _diffuse(evaluator, output, weight):
     _say_unless_zero(evaluator, output, "Roughness", "the roughness of diffuse light cannot be translated and is 0")
     return [Lobe("diffuse", weight, output.node, _color(evaluator, output), _normal(evaluator, output))]
 
 
 def _color(evaluator, output, name="Color"):
-    return combine_unit(evaluator.value(output.input(name), DEFAULT_COLOR).color())
+    color = evaluator.value(output.input(name), DEFAULT_COLOR).color()
+    if float(color.linear.max()) > 1 + 1e-3:
+        evaluator.say(output.node, f"{name} above 1 would reflect more light than arrives; it is 1")
+    return combine_unit(color)
 
 
 def combine_unit(value):
@@ -177,19 +193,27 @@ def _say_unless_zero(evaluator, output, name, text):
 
 def _subsurface(evaluator, output, weight):
     node = output.node
-    number = lambda name, default: evaluator.value(output.input(name), default).number
     color = _color(evaluator, output)
     keys = transport_keys(
         node.falloff,
         color,
         evaluator.value(output.input("Radius")).color(),
         evaluator.value(output.input("Scale")),
-        number("IOR", 1.4),
-        number("Anisotropy", 0.0),
-        _weight(evaluator, output, "Roughness", 1.0).number,
+        _number(evaluator, output, "IOR", 1.4),
+        _anisotropy(evaluator, output, "Anisotropy", node.falloff),
+        min(max(_number(evaluator, output, "Roughness", 1.0), 0.0), 1.0),
     )
     _say_of_attribute(evaluator, node, color)
     return [Lobe("subsurface", weight, node, color, keys | _normal(evaluator, output))]
+
+
+def _anisotropy(evaluator, output, name, method):
+    """The mean cosine of scattering; Cycles' walks know negative ones since Blender 5.2, and took 0 before."""
+    anisotropy = _number(evaluator, output, name, 0.0)
+    methods = output.node.bl_rna.properties["falloff" if output.node.type == "SUBSURFACE_SCATTERING" else "subsurface_method"].enum_items
+    if anisotropy < 0 and method != "BURLEY" and "RANDOM_WALK_LEGACY" in methods:
+        evaluator.say(output.node, "scattering backward cannot be translated; its anisotropy is 0")
+    return anisotropy
 
 
 def _say_of_attribute(evaluator, node, color):
@@ -198,16 +222,67 @@ def _say_of_attribute(evaluator, node, color):
 
 
 def _glossy(evaluator, output, weight):
+    color = _color(evaluator, output)
+    interface = _facets(evaluator, output) | {"specular_color": combine(even_tint, color)}
+    return [Lobe("metal", weight, output.node, color, _normal(evaluator, output), interface)]
+
+
+def _facets(evaluator, output, default=0.5):
+    """The roughness of a microfacet node, and words for what else it says of its facets."""
+    roughness = _weight(evaluator, output, "Roughness", default)
+    if roughness.is_everywhere(0):
+        return {"specular_roughness": roughness}
     _say_unless_zero(evaluator, output, "Anisotropy", "anisotropic reflection cannot be translated; it is isotropic")
-    interface = {"specular_roughness": _weight(evaluator, output, "Roughness", 0.5)}
-    return [Lobe("metal", weight, output.node, _color(evaluator, output), _normal(evaluator, output), interface)]
+    _say_of_distribution(evaluator, output.node)
+    return {"specular_roughness": roughness}
+
+
+def _say_of_distribution(evaluator, node):
+    if node.distribution != "MULTI_GGX":
+        name = node.bl_rna.properties["distribution"].enum_items[node.distribution].name
+        evaluator.say(node, f"the distribution {name} cannot be translated; it is Multiscatter GGX")
+
+
+def schlick(f0, cosine):
+    """Schlick's approximation of a reflectance that is f0 at normal incidence."""
+    return f0 + (1 - f0) * (1 - cosine) ** 5
+
+
+def edge_tint(f0, f82):
+    """The tint of a metal whose reflectances are f0 at normal incidence and f82 where the cosine is 1/7."""
+    return np.clip(f82 / np.maximum(schlick(f0, 1 / 7), 1e-6), 0, 1)
+
+
+def even_tint(f0):
+    """The tint of a metal that reflects f0 on the average of all directions, as a surface that has f0 at all angles.
+
+    The renderer's F(μ) = F_Schlick(μ) - a μ (1 - μ)⁶ has this mean for a = (1 - f0) / 21 / ∫ 2 μ² (1 - μ)⁶ dμ = 6 (1 - f0).
+    """
+    return edge_tint(f0, schlick(f0, 1 / 7) - 6 * (1 - f0) * (1 / 7) * (6 / 7) ** 6)
+
+
+def conductor_reflectance(n, k, cosine):
+    """Fresnel's reflectance of a metal of index n and extinction k, unpolarized."""
+    # The refracted wave's √(η² - sin²) is p + i q.
+    real = n * n - k * k - (1 - cosine**2)
+    size = np.hypot(real, 2 * n * k)
+    p, q_squared = np.sqrt(np.maximum((size + real) / 2, 0)), np.maximum((size - real) / 2, 0)
+    across = ((cosine - p) ** 2 + q_squared) / ((cosine + p) ** 2 + q_squared)
+    tangent = (1 - cosine**2) / cosine
+    return across * (1 + ((p - tangent) ** 2 + q_squared) / ((p + tangent) ** 2 + q_squared)) / 2
 
 
 def _metallic(evaluator, output, weight):
-    if output.node.fresnel_type != "F82":
-        evaluator.say(output.node, "physical conductors cannot be translated; its base color is the reflectance")
-    interface = {"specular_roughness": _weight(evaluator, output, "Roughness", 0.5)}
-    color = _color(evaluator, output, "Base Color")
+    _say_unless_zero(evaluator, output, "Thin Film Thickness", _LEFT_OUT["Thin Film Thickness"])
+    if output.node.fresnel_type == "F82":
+        color = _color(evaluator, output, "Base Color")
+        tint = _color(evaluator, output, "Edge Tint") if output.input("Edge Tint") else _ONE
+    else:
+        evaluator.say(output.node, "physical conductors cannot be translated; it has their reflectance at 0° and 82°")
+        n, k = (evaluator.value(output.input(name)).color() for name in ("IOR", "Extinction"))
+        color = combine(lambda n, k: conductor_reflectance(n, k, 1.0), n, k)
+        tint = combine(lambda n, k, f0: edge_tint(f0, conductor_reflectance(n, k, 1 / 7)), n, k, color)
+    interface = _facets(evaluator, output) | ({} if tint.is_everywhere(1) else {"specular_color": tint})
     return [Lobe("metal", weight, output.node, color, _normal(evaluator, output), interface)]
 
 
@@ -215,9 +290,9 @@ def _glass(evaluator, output, weight):
     node = output.node
     if node.type == "BSDF_REFRACTION":
         evaluator.say(node, "refraction without reflection cannot be translated; it is glass")
+    _say_unless_zero(evaluator, output, "Thin Film Thickness", _LEFT_OUT["Thin Film Thickness"])
     color = _color(evaluator, output)
-    interface = {
-        "specular_roughness": _weight(evaluator, output, "Roughness", 0.0),
+    interface = _facets(evaluator, output, 0.0) | {
         "specular_ior": evaluator.value(output.input("IOR"), 1.5),
         "specular_color": color,
     }
@@ -293,6 +368,7 @@ _LEFT_OUT = {
     "Anisotropic": "anisotropic reflection cannot be translated; it is isotropic",
     "Sheen Weight": "sheen cannot be translated and is left out",
     "Thin Film Thickness": "a thin film cannot be translated and is left out",
+    "Transmission Dispersion Scale": "dispersion cannot be translated and is left out",
 }
 
 
@@ -306,7 +382,7 @@ def _principled(evaluator, output, weight):
     node = output.node
     for name, text in _LEFT_OUT.items():
         _say_unless_zero(evaluator, output, name, text)
-    number = lambda name, default: evaluator.value(output.input(name), default).number
+    number = lambda name, default: _number(evaluator, output, name, default)
     base = _color(evaluator, output, "Base Color")
     metallic, transmission, scattering, alpha, coat = (
         _weight(evaluator, output, name, default)
@@ -325,6 +401,10 @@ def _principled(evaluator, output, weight):
     interface = {"specular_roughness": roughness, "specular_ior": Value.of(index)}
     if not tint.is_everywhere(1):
         interface["specular_color"] = tint
+        if not metallic.is_everywhere(1):
+            evaluator.say(node, "the specular tint colors reflections at grazing angles, too")
+    if not (metallic.is_everywhere(0) and transmission.is_everywhere(0)):
+        _say_of_distribution(evaluator, node)
     if not coat.is_everywhere(0):
         interface |= {
             "coat_weight": coat,
@@ -332,7 +412,10 @@ def _principled(evaluator, output, weight):
             "coat_ior": evaluator.value(output.input("Coat IOR"), 1.5),
         }
         depth = _coat_depth(interface["coat_ior"].number)
-        interface["coat_color"] = combine(lambda tint: tint**depth, _color(evaluator, output, "Coat Tint"))
+        coat_tint = _color(evaluator, output, "Coat Tint")
+        if not coat_tint.is_everywhere(1):
+            evaluator.say(node, "the tint of a coat is the same in all directions, that of their mean")
+        interface["coat_color"] = combine(lambda tint: tint**depth, coat_tint)
         if output.input("Coat Normal") and output.input("Coat Normal").is_linked:
             evaluator.say(node, "a normal of the coat's own cannot be translated; it is the surface's")
     wall = {"geometry_thin_walled": True} if _is_thin_walled(evaluator, output) else {}
@@ -359,7 +442,7 @@ def _principled(evaluator, output, weight):
             evaluator.value(output.input("Subsurface Radius"), [1.0, 0.2, 0.1]).color(),
             evaluator.value(output.input("Subsurface Scale"), 0.05),
             number("Subsurface IOR", 1.4) if node.subsurface_method == "RANDOM_WALK_SKIN" else index,
-            number("Subsurface Anisotropy", 0.0),
+            _anisotropy(evaluator, output, "Subsurface Anisotropy", node.subsurface_method),
             roughness.number**2,
         )
         _say_of_attribute(evaluator, node, base)
@@ -420,6 +503,7 @@ class _MaterialKeys:
 
     def __init__(self, evaluator, name, lobes):
         self._evaluator, self._name = evaluator, name
+        lobes = _shared(lobes)
         lobes = lobes + _unlit(lobes)
         groups = {kind: [lobe for lobe in lobes if lobe.kind == kind] for kind in _KINDS}
         weights = {kind: _sum(lobe.weight for lobe in group) for kind, group in groups.items()}
@@ -440,9 +524,15 @@ class _MaterialKeys:
         opaque = _sum([weights["subsurface"], weights["diffuse"]])
         dielectric = _sum([weights["glass"], opaque])
         solid = _sum([weights["metal"], dielectric])
-        opacity = _rest(weights["transparent"])
-        if solid.is_constant and solid.number > 1 + 1e-4:
-            self._say(surface[-1], "surfaces that are added are mixed by their weights")
+        whole = _sum([weights["transparent"], solid])
+        # Of matte surfaces that are added the colors are; of others that is more than one material knows.
+        self._gain = None
+        if float(whole.linear.max()) > 1 + 1e-4:
+            if weights["transparent"].is_everywhere(0) and all(lobe.kind == "diffuse" and not lobe.interface for lobe in surface):
+                self._gain = whole
+            else:
+                self._say(surface[-1], "surfaces that are added are mixed by their weights")
+        opacity = combine(lambda t, w: 1 - t / np.maximum(w, 1), weights["transparent"], whole)
         self.keys["base_metalness"] = _share(weights["metal"], solid)
         self.keys["transmission_weight"] = _share(weights["glass"], dielectric)
         self.keys["subsurface_weight"] = _share(weights["subsurface"], opaque)
@@ -460,6 +550,11 @@ class _MaterialKeys:
     def _color(self, groups):
         matte = _mean_color(groups["diffuse"])
         metal = _mean_color(groups["metal"])
+        if self._gain is not None:
+            matte = _times(matte, self._gain)
+            if float(matte.linear.max()) > 1:
+                self._say(groups["diffuse"][0], "surfaces that are added reflect more light than arrives; they reflect all of it")
+                matte = combine_unit(matte)
         if matte is not None and metal is not None and not _same(matte, metal):
             if groups["subsurface"]:
                 self._say(groups["metal"][0], "a matte and a metallic part of one surface have the same color, the mean of theirs")
@@ -502,7 +597,14 @@ class _MaterialKeys:
         metal = next((lobe for lobe in with_interface if lobe.kind == "metal"), first)
         if not _same(metal.interface["specular_roughness"], first.interface["specular_roughness"]):
             self._say(metal, "a metallic part of a surface has the roughness of the other part")
+        metals = [lobe for lobe in with_interface if lobe.kind == "metal"]
+        if any(not _same(lobe.interface["specular_roughness"], metal.interface["specular_roughness"]) for lobe in metals):
+            self._say(metal, "metallic parts of one surface with different roughness have that of the first")
         self.keys |= first.interface
+        if first.kind == "metal":
+            self._tint(metals)
+        elif metals and not _same(_edge(metal), _edge(first)):
+            self._say(metal, "a metallic part of a surface has the specular tint of the other part")
         if has_mirror and share.is_everywhere(0) and not weights["glass"].is_everywhere(0):
             if not self._opaque.is_everywhere(0):
                 self._say(first, "the matte part beside glass gets a specular reflection, too")
@@ -512,6 +614,12 @@ class _MaterialKeys:
             self._say(first, "a matte part beside a metal or glass has the specular reflection everywhere")
         self._enter(surface)
 
+    def _tint(self, metals):
+        """The tint of metals of one surface, whose reflectances are mixed at 0° and 82°."""
+        if any(not _same(_edge(lobe), _edge(metals[0])) for lobe in metals):
+            at_edge = [combine(lambda f0, tint: schlick(f0, 1 / 7) * tint, lobe.color, _edge(lobe)) for lobe in metals]
+            self.keys["specular_color"] = combine(edge_tint, _mean_color(metals), _mean(metals, at_edge))
+
     def _enter(self, surface):
         """Walks enter through the roughness of the interface, also where it reflects nothing."""
         roughness = getattr(self, "_entry_roughness", None)
@@ -519,6 +627,8 @@ class _MaterialKeys:
             return
         if "specular_roughness" not in self.keys or self.keys["specular_weight"].is_everywhere(0):
             self.keys["specular_roughness"] = roughness
+        elif not any(lobe.interface for lobe in surface if lobe.kind == "subsurface") and not _same(self.keys["specular_roughness"], roughness):
+            self._say(surface[0], "the view enters what scatters through the roughness of the reflection beside it")
 
     def _emit(self, lobes):
         if not lobes:
@@ -527,6 +637,8 @@ class _MaterialKeys:
         if opacity.is_everywhere(0):
             self._say(lobes[0], "light that is added to a transparent surface cannot be translated; it is opaque")
             opacity = self.keys["geometry_opacity"] = _ONE
+        elif not opacity.is_everywhere(1):
+            self._say(lobes[0], "a transparent surface that glows shines from its front only")
         if len(lobes) == 1 and lobes[0].weight.is_constant and opacity.is_constant:
             factor = lobes[0].weight.number / opacity.number
             color = lobes[0].color
@@ -551,6 +663,26 @@ class _MaterialKeys:
         if len(given) < len(maps) or any(not _same(value, given[0]) for value in given[1:]):
             self._say(surface[0], "shaders of one surface with different normals have those of the first normal map")
         self.keys["geometry_normal"] = given[0]
+
+
+def _shared(lobes):
+    """Glossy and matte lobes that are added, as mixed ones: each with a share for the light that it reflects."""
+    surface = [lobe for lobe in lobes if lobe.kind != "emission"]
+    kinds = {lobe.kind for lobe in surface}
+    are_even = all(lobe.node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_ANISOTROPIC"} for lobe in surface)
+    if not are_even or "metal" not in kinds or float(_sum(lobe.weight for lobe in surface).linear.max()) <= 1 + 1e-4:
+        return lobes
+    reflected = [_times(lobe.weight, lobe.color) for lobe in surface]
+    brightest = [max(float(value.linear.max()), 1e-6) for value in reflected]
+    if sum(brightest) > 1:
+        # More than one surface can reflect: it is said where they are weighed.
+        return lobes
+    found = []
+    for lobe, value, share in zip(surface, reflected, brightest, strict=True):
+        color = combine(lambda x, share=share: x * sum(brightest) / share, value)
+        interface = lobe.interface | ({"specular_color": combine(even_tint, color)} if lobe.kind == "metal" else {})
+        found.append(replace(lobe, weight=Value.of(share / sum(brightest)), color=color, interface=interface))
+    return found + [lobe for lobe in lobes if lobe.kind == "emission"]
 
 
 def _unlit(lobes):
@@ -593,19 +725,27 @@ def _same_keys(a, b):
     return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
 
 
+def _edge(lobe):
+    """The tint of a lobe's reflection."""
+    return lobe.interface.get("specular_color", Value.of([1.0, 1.0, 1.0]))
+
+
 def _mean_color(lobes):
     """The color of lobes of one kind, weighted."""
-    if not lobes:
-        return None
-    if all(_same(lobe.color, lobes[0].color) for lobe in lobes):
-        return lobes[0].color
+    return _mean(lobes, [lobe.color for lobe in lobes]) if lobes else None
+
+
+def _mean(lobes, values):
+    """The mean of values of lobes, weighted."""
+    if all(_same(value, values[0]) for value in values):
+        return values[0]
 
     def function(*rest):
-        weights, colors = rest[::2], rest[1::2]
+        weights, values = rest[::2], rest[1::2]
         whole = sum(weights)
-        return sum(w * c for w, c in zip(weights, colors, strict=True)) / np.where(whole > 0, whole, 1)
+        return sum(w * v for w, v in zip(weights, values, strict=True)) / np.where(whole > 0, whole, 1)
 
-    return combine(function, *(value for lobe in lobes for value in (lobe.weight, lobe.color)))
+    return combine(function, *(value for pair in zip((lobe.weight for lobe in lobes), values, strict=True) for value in pair))
 
 
 # --- spelling

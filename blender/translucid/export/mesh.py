@@ -100,6 +100,17 @@ def has_area(vertices, triangles):
     return False
 
 
+def is_open(parts):
+    """Whether triangles of parts have edges without a neighbor; vertices at one point are one."""
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    _, point = np.unique(np.concatenate([part.vertices for part in parts]), axis=0, return_inverse=True)
+    triangles = point.ravel()[np.concatenate([part.triangles.astype(np.int64) + start for part, start in zip(parts, offsets, strict=True)])]
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2)
+    ends = ends[ends[:, 0] != ends[:, 1]]
+    codes = ends @ np.array([point.max() + 1, 1])
+    return not np.isin(codes, ends[:, ::-1] @ np.array([point.max() + 1, 1])).all()
+
+
 def _kept(corners):
     """The corners in use, in order, and the place of each triangle's among them."""
     kept, places = np.unique(corners, return_inverse=True)

@@ -7,8 +7,10 @@ the view, is reported and replaced by its nearest.
 
 import numpy as np
 
+from .arithmetic import MATH, VECTOR_MATH, dot, mapped_range, normalized, rotated
+from .colors import BLENDS, FROM_MODE, TO_MODE, blackbody, hsv_to_rgb, luminance, rgb_to_hsv
 from .image import pixels_of
-from .value import LUMINANCE, Placement, Value, combine
+from .value import Placement, Value, combine
 
 # Samples of a color ramp or curve.
 _RAMP = 1025
@@ -93,7 +95,9 @@ class Evaluator:
         output, end = socket.source()
         if output is not None:
             return _as_kind(self.output(output), socket.socket.type)
-        if end.socket.hide_value or not hasattr(end.socket, "default_value"):
+        # A vector whose value is hidden, as a normal, is that of the place; hidden colors count.
+        is_implied = end.socket.hide_value and end.socket.type == "VECTOR"
+        if is_implied or not hasattr(end.socket, "default_value"):
             return Value.of(default)
         number = end.socket.default_value
         if end.socket.type == "RGBA":
@@ -111,6 +115,11 @@ class Evaluator:
             else:
                 self._values[key] = evaluate(self, output)
         return self._values[key]
+
+    @property
+    def sees_directions(self):
+        """Whether textures are looked up by the direction of a ray, as those of a world."""
+        return self._placement_of is not Evaluator._uv_placement
 
     def placement(self, socket, wrap):
         """How the texture that takes these coordinates lies on the surface."""
@@ -164,10 +173,6 @@ def _as_kind(value, kind):
     return value.scalar() if value.channels != 1 else value
 
 
-def luminance(color):
-    return color @ LUMINANCE[:, None]
-
-
 # --- nodes: each takes the evaluator and the output that is asked for
 
 _EXTENSIONS = {"REPEAT": "repeat", "EXTEND": "clamp", "MIRROR": "mirror", "CLIP": "clamp"}
@@ -191,6 +196,12 @@ def _image_texture(evaluator, output):
         if node.extension == "CLIP":
             evaluator.say(node, "the extension Clip cannot be translated; the edge is extended")
         wrap = _EXTENSIONS[node.extension]
+    elif not evaluator.sees_directions:
+        evaluator.say(node, "an environment on a surface cannot be translated; the UV map is used")
+    elif node.projection != "EQUIRECTANGULAR":
+        evaluator.say(node, "the projection Mirror Ball cannot be translated; it is equirectangular")
+    if node.interpolation == "Closest":
+        evaluator.say(node, "the interpolation Closest cannot be translated; it is linear")
     placement = evaluator.placement(output.input("Vector"), wrap)
     alpha = pixels[..., 3:4]
     if alpha.dtype == np.uint8:
@@ -244,62 +255,27 @@ def _look_up(table, x):
 
 
 def _curves(evaluator, output):
-    mapping = output.node.mapping
+    """Of colors, vectors or a number: curves of the channels, of colors after that of all."""
+    node, mapping = output.node, output.node.mapping
     mapping.initialize()
-    factor, color = (evaluator.value(output.input(name)) for name in ("Fac", "Color"))
-    place = np.linspace(0, 1, _RAMP)
-    combined = mapping.curves[3]
-    tables = [
-        np.array([mapping.evaluate(combined, mapping.evaluate(curve, x)) for x in place])
-        for curve in mapping.curves[:3]
-    ]
+    factor, color = (evaluator.value(Socket(socket, output.groups)) for socket in node.inputs[:2])
+    # Vectors have coordinates of both signs.
+    place = np.linspace(-1, 1, 2 * _RAMP - 1) if node.type == "CURVE_VEC" else np.linspace(0, 1, _RAMP)
+    curves = mapping.curves[: color.channels]
+    all_of = mapping.curves[3] if node.type == "CURVE_RGB" else None
+    tables = [np.array([_curved(mapping, (curve, all_of), x) for x in place]) for curve in curves]
 
     def function(factor, color):
-        curved = np.stack([np.interp(color[..., i], place, tables[i]) for i in range(3)], axis=-1)
+        curved = np.stack([np.interp(color[..., i], place, table) for i, table in enumerate(tables)], axis=-1)
         return color + factor * (curved - color)
 
     return _combine(evaluator, output, function, factor, color)
 
 
-def _blends():
-    def screen(a, b):
-        return 1 - (1 - a) * (1 - b)
-
-    def overlay(a, b):
-        return np.where(a < 0.5, 2 * a * b, 1 - 2 * (1 - a) * (1 - b))
-
-    def divide(a, b):
-        return np.where(b == 0, a, a / np.where(b == 0, 1, b))
-
-    def dodge(a, b):
-        return np.where(a == 0, 0, np.where(b >= 1, 1, np.minimum(a / np.maximum(1 - b, 1e-6), 1)))
-
-    def burn(a, b):
-        return np.where(b <= 0, 0, np.clip(1 - (1 - a) / np.maximum(b, 1e-6), 0, 1))
-
-    def soft_light(a, b):
-        return (1 - a) * b * a + a * screen(a, b)
-
-    return {
-        "MIX": lambda a, b: b,
-        "ADD": lambda a, b: a + b,
-        "SUBTRACT": lambda a, b: a - b,
-        "MULTIPLY": lambda a, b: a * b,
-        "SCREEN": screen,
-        "OVERLAY": overlay,
-        "DIVIDE": divide,
-        "DIFFERENCE": lambda a, b: np.abs(a - b),
-        "EXCLUSION": lambda a, b: a + b - 2 * a * b,
-        "DARKEN": np.minimum,
-        "LIGHTEN": np.maximum,
-        "DODGE": dodge,
-        "BURN": burn,
-        "SOFT_LIGHT": soft_light,
-        "LINEAR_LIGHT": lambda a, b: a + 2 * b - 1,
-    }
-
-
-_BLENDS = _blends()
+def _curved(mapping, curves, x):
+    for curve in curves:
+        x = mapping.evaluate(curve, x) if curve is not None else x
+    return x
 
 
 def _mix(evaluator, output):
@@ -316,10 +292,7 @@ def _mix(evaluator, output):
     else:
         names, blend = ("Fac", "Color1", "Color2"), node.blend_type
         clamp_factor, clamp_result = True, node.use_clamp
-    function = _BLENDS.get(blend)
-    if function is None:
-        evaluator.say(node, f"the blend {blend.capitalize()} cannot be translated; it is Mix")
-        function = _BLENDS["MIX"]
+    function = BLENDS[blend]
     factor, a, b = (evaluator.value(output.input(name)) for name in names)
     tinted = _tinted(blend, factor, a, b)
     if tinted is not None:
@@ -327,7 +300,7 @@ def _mix(evaluator, output):
 
     def mixed(factor, a, b):
         t = np.clip(factor, 0, 1) if clamp_factor else factor
-        result = a + t * (function(a, b) - a)
+        result = function(t, a, b)
         return np.clip(result, 0, 1) if clamp_result else result
 
     return _combine(evaluator, output, mixed, factor, a, b)
@@ -342,50 +315,9 @@ def _tinted(blend, factor, a, b):
     return Value(product.pixels, product.placement, colors.attribute)
 
 
-def _rounded(function):
-    return lambda a, b, c: function(a)
-
-
-_MATH = {
-    "ADD": lambda a, b, c: a + b,
-    "SUBTRACT": lambda a, b, c: a - b,
-    "MULTIPLY": lambda a, b, c: a * b,
-    "DIVIDE": lambda a, b, c: np.where(b == 0, 0, a / np.where(b == 0, 1, b)),
-    "MULTIPLY_ADD": lambda a, b, c: a * b + c,
-    "POWER": lambda a, b, c: np.nan_to_num(np.power(np.maximum(a, 0), b), posinf=0),
-    "LOGARITHM": lambda a, b, c: np.where((a > 0) & (b > 0), np.log(np.maximum(a, 1e-30)) / np.where(b == 1, 1, np.log(np.maximum(b, 1e-30))), 0),
-    "SQRT": lambda a, b, c: np.sqrt(np.maximum(a, 0)),
-    "INVERSE_SQRT": lambda a, b, c: np.where(a > 0, 1 / np.sqrt(np.maximum(a, 1e-30)), 0),
-    "ABSOLUTE": lambda a, b, c: np.abs(a),
-    "EXPONENT": lambda a, b, c: np.exp(np.minimum(a, 80)),
-    "MINIMUM": lambda a, b, c: np.minimum(a, b),
-    "MAXIMUM": lambda a, b, c: np.maximum(a, b),
-    "LESS_THAN": lambda a, b, c: (a < b).astype(np.float32),
-    "GREATER_THAN": lambda a, b, c: (a > b).astype(np.float32),
-    "SIGN": lambda a, b, c: np.sign(a),
-    "COMPARE": lambda a, b, c: (np.abs(a - b) <= np.maximum(c, 1e-5)).astype(np.float32),
-    "ROUND": _rounded(lambda a: np.floor(a + 0.5)),
-    "FLOOR": _rounded(np.floor),
-    "CEIL": _rounded(np.ceil),
-    "TRUNC": _rounded(np.trunc),
-    "FRACT": lambda a, b, c: a - np.floor(a),
-    "MODULO": lambda a, b, c: np.where(b == 0, 0, np.fmod(a, np.where(b == 0, 1, b))),
-    "FLOORED_MODULO": lambda a, b, c: np.where(b == 0, 0, np.mod(a, np.where(b == 0, 1, b))),
-    "SINE": lambda a, b, c: np.sin(a),
-    "COSINE": lambda a, b, c: np.cos(a),
-    "TANGENT": lambda a, b, c: np.tan(a),
-    "ARCSINE": lambda a, b, c: np.arcsin(np.clip(a, -1, 1)),
-    "ARCCOSINE": lambda a, b, c: np.arccos(np.clip(a, -1, 1)),
-    "ARCTANGENT": lambda a, b, c: np.arctan(a),
-    "ARCTAN2": lambda a, b, c: np.arctan2(a, b),
-    "RADIANS": lambda a, b, c: np.radians(a),
-    "DEGREES": lambda a, b, c: np.degrees(a),
-}
-
-
 def _math(evaluator, output):
     node = output.node
-    function = _MATH.get(node.operation)
+    function = MATH.get(node.operation)
     if function is None:
         evaluator.say(node, f"the operation {node.operation.capitalize()} cannot be translated; it counts as 0.5")
         return Value.of(0.5)
@@ -397,6 +329,44 @@ def _math(evaluator, output):
         return np.clip(result, 0, 1) if node.use_clamp else result
 
     return _combine(evaluator, output, clamped, *values)
+
+
+def _vector_math(evaluator, output):
+    node = output.node
+    values = [evaluator.value(Socket(socket, output.groups)) for socket in node.inputs[:3]]
+    function = VECTOR_MATH.get(node.operation)
+    if function is None:
+        evaluator.say(node, f"the operation {node.operation.capitalize()} cannot be translated; it counts as 0.5")
+        return Value.of(0.5)
+    return _combine(evaluator, output, function, *values, evaluator.value(output.input("Scale"), 1.0))
+
+
+def _vector_rotate(evaluator, output):
+    node = output.node
+    vector, center, axis = (evaluator.value(output.input(name)) for name in ("Vector", "Center", "Axis"))
+    sign = -1 if node.invert else 1
+    axes = np.eye(3, dtype=np.float32)
+    if node.rotation_type == "EULER_XYZ":
+        angles = evaluator.value(output.input("Rotation"))
+
+        def function(vector, center, angles):
+            for i in (range(3) if sign > 0 else reversed(range(3))):
+                vector = rotated(vector, center, axes[i], sign * angles[..., i : i + 1])
+            return vector
+
+        return _combine(evaluator, output, function, vector, center, angles)
+    if node.rotation_type != "AXIS_ANGLE":
+        axis = Value.of(axes["XYZ".index(node.rotation_type[0])])
+    angle = evaluator.value(output.input("Angle"))
+    return _combine(evaluator, output, lambda v, c, a, t: rotated(v, c, a, sign * t), vector, center, axis, angle)
+
+
+def _normal(evaluator, output):
+    direction = Value.of(tuple(output.node.outputs["Normal"].default_value))
+    if output.socket.identifier == "Normal":
+        return direction
+    given = evaluator.value(output.input("Normal"))
+    return _combine(evaluator, output, lambda a, b: dot(normalized(a), normalized(b)), direction, given)
 
 
 def _invert(evaluator, output):
@@ -428,22 +398,6 @@ def _hue_saturation(evaluator, output):
     return _combine(evaluator, output, function, *values)
 
 
-def rgb_to_hsv(color):
-    value = color.max(axis=-1)
-    span = value - color.min(axis=-1)
-    safe = np.where(span > 0, span, 1)
-    r, g, b = np.moveaxis(color, -1, 0)
-    hue = np.select([value == r, value == g], [((g - b) / safe) % 6, (b - r) / safe + 2], (r - g) / safe + 4) / 6
-    saturation = np.where(value > 0, span / np.where(value > 0, value, 1), 0)
-    return np.stack([np.where(span > 0, hue, 0), saturation, value], axis=-1)
-
-
-def hsv_to_rgb(hsv):
-    h, s, v = np.moveaxis(hsv, -1, 0)
-    k = (np.stack([h * 6 + 5, h * 6 + 3, h * 6 + 1], axis=-1)) % 6
-    return v[..., None] - (v * s)[..., None] * np.clip(np.minimum(k, 4 - k), 0, 1)
-
-
 def _clamp(evaluator, output):
     value, low, high = (evaluator.value(output.input(name)) for name in ("Value", "Min", "Max"))
 
@@ -457,19 +411,14 @@ def _clamp(evaluator, output):
 
 def _map_range(evaluator, output):
     node = output.node
-    if node.data_type != "FLOAT" or node.interpolation_type not in {"LINEAR", "SMOOTHSTEP"}:
-        evaluator.say(node, "only linear and smooth ranges of numbers can be translated; it counts as 0.5")
-        return Value.of(0.5)
-    values = [evaluator.value(output.input(name)) for name in ("Value", "From Min", "From Max", "To Min", "To Max")]
+    is_vector = node.data_type == "FLOAT_VECTOR"
+    names = ("From Min", "From Max", "To Min", "To Max", "Steps")
+    names = ("Vector", *(name.replace(" ", "_") + "_FLOAT3" for name in names)) if is_vector else ("Value", *names)
+    values = [evaluator.value(output.input(name)) for name in names]
 
-    def function(x, from_min, from_max, to_min, to_max):
-        span = from_max - from_min
-        t = np.where(span == 0, 0, (x - from_min) / np.where(span == 0, 1, span))
-        if node.clamp or node.interpolation_type == "SMOOTHSTEP":
-            t = np.clip(t, 0, 1)
-        if node.interpolation_type == "SMOOTHSTEP":
-            t = t * t * (3 - 2 * t)
-        return to_min + t * (to_max - to_min)
+    def function(x, from_low, from_high, to_low, to_high, steps):
+        found = mapped_range(node.interpolation_type, x, from_low, from_high, to_low, to_high, steps)
+        return np.clip(found, np.minimum(to_low, to_high), np.maximum(to_low, to_high)) if node.clamp else found
 
     return _combine(evaluator, output, function, *values)
 
@@ -478,10 +427,9 @@ def _separate(evaluator, output):
     node = output.node
     color = evaluator.value(Socket(node.inputs[0], output.groups))
     channel = list(node.outputs).index(output.socket)
-    if getattr(node, "mode", "RGB") == "HSV":
-        return _combine(evaluator, output, lambda c: rgb_to_hsv(c)[..., channel : channel + 1], color)
-    if getattr(node, "mode", "RGB") == "HSL":
-        evaluator.say(node, "the mode HSL cannot be translated; it is RGB")
+    mode = getattr(node, "mode", "RGB")
+    if mode != "RGB":
+        return _combine(evaluator, output, lambda c: TO_MODE[mode](c)[..., channel : channel + 1], color)
     if color.attribute is None:
         return Value(np.ascontiguousarray(color.linear[..., channel : channel + 1]), color.placement)
     return _combine(evaluator, output, lambda c: c[..., channel : channel + 1], color)
@@ -493,7 +441,7 @@ def _join(evaluator, output):
 
     def function(*parts):
         color = np.concatenate(np.broadcast_arrays(*parts), axis=-1)
-        return hsv_to_rgb(color) if getattr(node, "mode", "RGB") == "HSV" else color
+        return FROM_MODE[getattr(node, "mode", "RGB")](color)
 
     return _combine(evaluator, output, function, *parts)
 
@@ -507,25 +455,6 @@ def _blackbody(evaluator, output):
     return Value.of(blackbody(temperature))
 
 
-def blackbody(temperature):
-    """The color of a black body of luminance 1, linear Rec. 709.
-
-    Planck's law against the fit of the CIE 1931 color matching functions by C. Wyman, P.-P. Sloan and P. Shirley,
-    "Simple Analytic Approximations to the CIE XYZ Color Matching Functions", 2013.
-    """
-    nm = np.arange(360.0, 831.0)
-    lobe = lambda mean, below, above: np.exp(-0.5 * ((nm - mean) / np.where(nm < mean, below, above)) ** 2)
-    x = 1.056 * lobe(599.8, 37.9, 31.0) + 0.362 * lobe(442.0, 16.0, 26.7) - 0.065 * lobe(501.1, 20.4, 26.2)
-    y = 0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1)
-    z = 1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)
-    kelvin = np.clip(temperature, 800.0, 40000.0)
-    power = nm**-5 / np.expm1(1.438777e7 / (nm * kelvin))
-    xyz = np.array([(power * curve).sum() for curve in (x, y, z)])
-    to_rec709 = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
-    rgb = np.maximum(to_rec709 @ (xyz / xyz[1]), 0)
-    return rgb / (rgb @ LUMINANCE)
-
-
 _NODES = {
     "TEX_IMAGE": _image_texture,
     "TEX_ENVIRONMENT": _image_texture,
@@ -535,9 +464,14 @@ _NODES = {
     "VALUE": _given,
     "VALTORGB": _ramp,
     "CURVE_RGB": _curves,
+    "CURVE_VEC": _curves,
+    "CURVE_FLOAT": _curves,
     "MIX": _mix,
     "MIX_RGB": _mix,
     "MATH": _math,
+    "VECT_MATH": _vector_math,
+    "VECTOR_ROTATE": _vector_rotate,
+    "NORMAL": _normal,
     "INVERT": _invert,
     "GAMMA": _gamma,
     "BRIGHTCONTRAST": _bright_contrast,

@@ -8,7 +8,7 @@ import translucid
 
 from .light import light_keys
 from .material import default_material, material_of
-from .mesh import FARTHEST, arrays_of, has_area, mended
+from .mesh import FARTHEST, arrays_of, has_area, is_open, mended
 from .world import environment_keys
 
 # Kinds of objects that have surfaces.
@@ -167,7 +167,10 @@ class Exporter:
             if part.slot in colors and part.colors is None:
                 self._report.add(where, None, f"it has no color attribute {colors[part.slot]!r}; it is white")
         parts = [mended(part, lambda text: self._report.add(where, None, text)) for part in parts]
-        return [(names[min(part.slot, len(names) - 1)], part) for part in parts if has_area(part.vertices, part.triangles)]
+        found = [(names[min(part.slot, len(names) - 1)], part) for part in parts if has_area(part.vertices, part.triangles)]
+        if any(description.materials[name].glows for name, _ in found) and is_open([part for _, part in found]):
+            self._report.add(where, None, "an open surface that glows shines from its front only")
+        return found
 
     def _add_material(self, description, material):
         name = material_name(material)

@@ -48,6 +48,9 @@ def environment_keys(world, report, visible):
         return black
     if Socket(output.inputs["Volume"]).is_linked:
         report.add(where, output.name, "Volume cannot be translated and is left out")
+    # Cycles has the property since Blender 5.2.
+    if not getattr(getattr(world, "cycles", None), "use_shadows", True):
+        report.add(where, None, "a world without shadows cannot be rendered; it throws them")
     value = _radiance(Evaluator(report, where, _turn), source)
     if value is None:
         return black
