@@ -343,13 +343,6 @@ def test_a_texture_where_one_number_is_wanted_is_said():
     assert len(said) == 1 and said[0].endswith("Principled BSDF: a texture of IOR cannot be translated; its mean is used")
 
 
-@pytest.mark.skipif(not HAS_LEGACY_WALK, reason="before Blender 5.2 a negative anisotropy counts as 0")
-def test_scattering_backward_is_said():
-    _, said = translate(scattering("SubsurfaceScattering", "RANDOM_WALK", Anisotropy=-0.5))
-    assert len(said) == 1 and "scattering backward" in said[0]
-    assert translate(scattering("SubsurfaceScattering", "BURLEY", Anisotropy=-0.5))[1] == []
-
-
 def test_a_hidden_color_counts():
     nodes = Nodes()
     gamma = nodes.add("Gamma", Color=(0.25, 0.5, 0.75), Gamma=2.0)

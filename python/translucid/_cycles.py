@@ -50,7 +50,7 @@ def cycles_material(
         Index that the view is refracted by. Subsurface Scattering node: its IOR. Principled BSDF: its Subsurface IOR for
         RANDOM_WALK_SKIN; for the other walks its IOR, adjusted by the Specular IOR Level as Cycles does, 1.01 at level 0.
     anisotropy : float, default 0
-        Anisotropy socket, clamped to [0, 0.9].
+        Anisotropy socket, clamped to [-0.9, 0.9], and to [0, 0.9] before Blender 5.2.
     alpha : float, default 1
         Width of the facets that refract the view in walks other than RANDOM_WALK_SKIN: the square of the Principled BSDF's Roughness, the
         Roughness of a Subsurface Scattering node as it is.
@@ -76,7 +76,7 @@ def cycles_material(
     ``scene.set_integrator(subsurface_tail=0.00362)`` and counted as Cycles counts it by ``subsurface_method="cycles-disk"``,
     for all materials.
     RANDOM_WALK has the mean free path radius * scale; RANDOM_WALK_LEGACY, which is RANDOM_WALK before Blender 5.2, has
-    radius * scale (1 - g) / 4 pi. Both are ``random-walk-rough``, RANDOM_WALK_SKIN is ``random-walk-skin``, in the medium
+    radius * scale (1 - g) / 4 pi, without 1 - g where g is below 0. Both are ``random-walk-rough``, RANDOM_WALK_SKIN is ``random-walk-skin``, in the medium
     that Cycles chooses. Walks end after 256 flights as they do there: whatever the color, a half space comes out no brighter
     than 0.919. With an anisotropy Cycles goes on in the similar isotropic medium after 10 flights; the walk here does not,
     and ends as late as that would.
@@ -89,8 +89,11 @@ def cycles_material(
     >>> keys["subsurface_model"], np.round(keys["subsurface_color"], 3).tolist()
     ('random-walk-rough', [0.812, 0.505, 0.202])
     """
+    version = _version(version)
     method = _method(method, version)
-    numbers = {"scale": scale, "ior": ior, "anisotropy": anisotropy, "alpha": alpha}
+    if not math.isfinite(anisotropy):
+        raise ValueError(f"anisotropy is {anisotropy}, but must be finite")
+    numbers = {"scale": scale, "ior": ior, "alpha": alpha}
     for name, value in numbers.items():
         if not (math.isfinite(value) and value >= 0.0):
             raise ValueError(f"{name} is {value}, but must be finite and at least 0")
@@ -109,12 +112,13 @@ def cycles_material(
         mfp = length / (4.0 * math.pi) * (1.9 - color + 3.5 * (color - 0.8) ** 2)
         keys = {"subsurface_model": "normalized-diffusion", "subsurface_configuration": "diffuse"}
     else:
-        g = min(anisotropy, 0.9)
-        is_legacy = method != "RANDOM_WALK"
+        g = min(max(anisotropy, -0.9 if version >= (5, 2) else 0.0), 0.9)
+        # Every walk scatters backward as the new one does
+        is_legacy = method != "RANDOM_WALK" and g >= 0.0
         color, skin = _walks(color, g, max(ior, 1.01), is_legacy)
-        mfp = length
+        mfp = length * {"RANDOM_WALK": 1.0, "RANDOM_WALK_LEGACY": 1.0 / (4.0 * math.pi), "RANDOM_WALK_SKIN": skin}[method]
         if is_legacy:
-            mfp = length * (1.0 - g) * (skin if method == "RANDOM_WALK_SKIN" else 1.0 / (4.0 * math.pi))
+            mfp = mfp * (1.0 - g)
         keys = {
             "subsurface_scatter_anisotropy": g,
             "subsurface_eta": min(max(ior, 1.01), 3.0),
@@ -136,12 +140,16 @@ def cycles_material(
     return keys
 
 
+def _version(version):
+    if version is not None:
+        return tuple(version)
+    bpy = sys.modules.get("bpy")
+    return bpy.app.version if bpy is not None else (5, 2)
+
+
 def _method(method, version):
     """The method that a version of Blender calls so, by its name in Blender 5.2."""
-    if version is None:
-        bpy = sys.modules.get("bpy")
-        version = bpy.app.version if bpy is not None else (5, 2)
-    of_version = [names for since, names in METHODS.items() if tuple(version) >= since]
+    of_version = [names for since, names in METHODS.items() if version >= since]
     if not of_version:
         raise ValueError(f"version is {version!r}, but must be (3, 0) or later")
     if method not in of_version[-1]:

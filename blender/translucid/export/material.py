@@ -200,20 +200,11 @@ def _subsurface(evaluator, output, weight):
         evaluator.value(output.input("Radius")).color(),
         evaluator.value(output.input("Scale")),
         _number(evaluator, output, "IOR", 1.4),
-        _anisotropy(evaluator, output, "Anisotropy", node.falloff),
+        _number(evaluator, output, "Anisotropy", 0.0),
         min(max(_number(evaluator, output, "Roughness", 1.0), 0.0), 1.0),
     )
     _say_of_attribute(evaluator, node, color)
     return [Lobe("subsurface", weight, node, color, keys | _normal(evaluator, output))]
-
-
-def _anisotropy(evaluator, output, name, method):
-    """The mean cosine of scattering; Cycles' walks know negative ones since Blender 5.2, and took 0 before."""
-    anisotropy = _number(evaluator, output, name, 0.0)
-    methods = output.node.bl_rna.properties["falloff" if output.node.type == "SUBSURFACE_SCATTERING" else "subsurface_method"].enum_items
-    if anisotropy < 0 and method != "BURLEY" and "RANDOM_WALK_LEGACY" in methods:
-        evaluator.say(output.node, "scattering backward cannot be translated; its anisotropy is 0")
-    return anisotropy
 
 
 def _say_of_attribute(evaluator, node, color):
@@ -442,7 +433,7 @@ def _principled(evaluator, output, weight):
             evaluator.value(output.input("Subsurface Radius"), [1.0, 0.2, 0.1]).color(),
             evaluator.value(output.input("Subsurface Scale"), 0.05),
             number("Subsurface IOR", 1.4) if node.subsurface_method == "RANDOM_WALK_SKIN" else index,
-            _anisotropy(evaluator, output, "Subsurface Anisotropy", node.subsurface_method),
+            _number(evaluator, output, "Subsurface Anisotropy", 0.0),
             roughness.number**2,
         )
         _say_of_attribute(evaluator, node, base)

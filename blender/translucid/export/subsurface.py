@@ -15,7 +15,7 @@ def transport_keys(method, color, radius, scale, ior, anisotropy, alpha):
     both = combine(_color_and_length, color, radius, scale)
     pixels = both.linear if both.placement is not None else both.linear[0, 0]
     keys = translucid.cycles_material(
-        method, base_color=pixels[..., :3], radius=pixels[..., 3:], ior=ior, anisotropy=max(anisotropy, 0.0), alpha=alpha
+        method, base_color=pixels[..., :3], radius=pixels[..., 3:], ior=ior, anisotropy=anisotropy, alpha=alpha
     )
     values = {key: _value(value, both.placement) for key, value in keys.items()}
     if color.attribute is not None:

@@ -61,19 +61,19 @@ enum AlbedoFit {
 }
 
 impl CyclesWalk {
-    /// *Random Walk* of Blender 5.2 in media of a mean cosine g, which Cycles clamps to [0, 0.9].
+    /// *Random Walk* of Blender 5.2 in media of a mean cosine g, which is clamped to [−0.9, 0.9].
     pub fn new(g: f64) -> Self {
-        Self::with_fit(g, |_| AlbedoFit::VanDeHulst)
+        Self::with_fit(g.max(-0.9).min(0.9), |_| AlbedoFit::VanDeHulst)
     }
 
-    /// *Random Walk (Legacy)*, which is *Random Walk* before Blender 5.2, and the walk of *Random Walk (Skin)*.
+    /// *Random Walk (Legacy)*, which is *Random Walk* before Blender 5.2, and the walk of *Random Walk (Skin)*; Cycles clamps
+    /// the mean cosine g to [0, 0.9].
     pub fn legacy(g: f64) -> Self {
-        Self::with_fit(g, |g| AlbedoFit::Wrenninge(wrenninge(g)))
+        Self::with_fit(g.max(0.0).min(0.9), |g| AlbedoFit::Wrenninge(wrenninge(g)))
     }
 
     fn with_fit(g: f64, fit: impl Fn(f64) -> AlbedoFit) -> Self {
-        let g = g.max(0.0).min(0.9);
-        let inversion = (g > 0.0).then(|| AlbedoInversion::new(g, 1.0, Configuration::Diffuse).ok());
+        let inversion = (g != 0.0).then(|| AlbedoInversion::new(g, 1.0, Configuration::Diffuse).ok());
         Self { g, inversion: inversion.flatten(), fit: fit(g) }
     }
 
@@ -262,7 +262,8 @@ mod tests {
 
     #[test]
     fn color_inverts_the_surface_albedo_as_far_as_it_goes() {
-        for walk in [0.0, 0.3, 0.9].map(|g| [CyclesWalk::new(g), CyclesWalk::legacy(g)]).as_flattened() {
+        for walk in [-0.6, 0.0, 0.3, 0.9].map(|g| [CyclesWalk::new(g), CyclesWalk::legacy(g)]).as_flattened()
+        {
             let g = walk.g();
             for a in [0.01, 0.2, 0.5, 0.8, 0.9] {
                 let found = walk.surface_albedo(walk.color(a));

@@ -28,6 +28,8 @@ const G: Parameter = setting("g", 0.0, [-1.0, 1.0], "in (-1, 1)");
 // Cycles keeps it in [1.01, 3.8] by itself
 const SKIN_IOR: Parameter = setting("subsurface_ior", 1.4, [0.0, 10.0], "in (0, 10)");
 
+const G_OF_WALK: Parameter = setting(parameter::WALK_G, 0.0, [-0.9 - 1e-9, 0.9 + 1e-9], "in [-0.9, 0.9]");
+
 const WALK_G: Parameter = setting(parameter::WALK_G, 0.0, [-1e-9, 0.9 + 1e-9], "in [0, 0.9]");
 
 const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
@@ -147,7 +149,7 @@ const KNOWN: &[System] = &[
         "cycles-walk",
         "Blender Cycles, Random Walk since 5.2",
         "5.2 and 5.3",
-        &[length("subsurface_radius"), distance("subsurface_scale"), WALK_G],
+        &[length("subsurface_radius"), distance("subsurface_scale"), G_OF_WALK],
         Rule::Mfp(Factor::One),
         "mfp = length/(1 - alpha g), alpha of the color; a color comes out as another",
         measured("pictures of Blender 5.2.3 and 5.3.0 (blender/tests/test_subsurface.py)"),
