@@ -84,6 +84,28 @@ impl<'a> PathTracer<'a> {
         self.scratch.drop_block();
     }
 
+    /// Number of the object that [`trace`](Self::trace) with the same random numbers sees first; `None` where that is a
+    /// light, a shadow catcher or the background.
+    pub(crate) fn first_object(&self, ray: Ray, sampler: &mut Sampler) -> Option<u32> {
+        let world = self.world;
+        let mut path = PathState::new(ray);
+        loop {
+            path.vertex += 1;
+            sampler.start_vertex(path.vertex);
+            let hit = world.geometry.closest(&path.ray)?;
+            if world.lights.intersect_visible(path.ray.origin, path.ray.direction, hit.t).is_some() {
+                return None;
+            }
+            let point = world.surface_point(&hit);
+            let (_, material) = world.material(&point);
+            match meeting(world, &path, &point, material, Choices(sampler.reserve())) {
+                Meeting::Surface => return Some(point.object),
+                Meeting::Passing if path.pass(&point, Vec3::ONE) => {}
+                Meeting::Passing | Meeting::Shadow => return None,
+            }
+        }
+    }
+
     /// Follows the ray to its end and draws the next one; false when the path is over.
     fn step(&mut self, path: &mut PathState, sampler: &mut Sampler) -> bool {
         let world = self.world;
@@ -265,6 +287,34 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// How a path meets a surface that its ray hits.
+enum Meeting {
+    /// The surface scatters it.
+    Surface,
+    /// It goes on behind the surface.
+    Passing,
+    /// The camera sees only shadows there.
+    Shadow,
+}
+
+fn meeting(
+    world: &World,
+    path: &PathState,
+    point: &SurfacePoint,
+    material: &Material,
+    u: Choices,
+) -> Meeting {
+    let opacity = surface::opacity_at(&world.scene, material, point);
+    if opacity < 1.0 && u.of_opacity() >= opacity {
+        return Meeting::Passing;
+    }
+    match material.camera_visibility {
+        CameraVisibility::None if path.depth == 0 => Meeting::Passing,
+        CameraVisibility::Shadow if path.depth == 0 => Meeting::Shadow,
+        _ => Meeting::Surface,
+    }
+}
+
 /// Passes a surface that is not there, or hides it from the camera; returns whether the path goes on. `None` where the
 /// path meets the surface.
 fn pass_or_hide(
@@ -275,17 +325,10 @@ fn pass_or_hide(
     u: Choices,
     sampler: &mut Sampler,
 ) -> Option<bool> {
-    let opacity = surface::opacity_at(&world.scene, material, point);
-    if opacity < 1.0 && u.of_opacity() >= opacity {
-        return Some(path.pass(point, Vec3::ONE));
-    }
-    if path.depth > 0 {
-        return None;
-    }
-    match material.camera_visibility {
-        CameraVisibility::Surface => None,
-        CameraVisibility::None => Some(path.pass(point, Vec3::ONE)),
-        CameraVisibility::Shadow => {
+    match meeting(world, path, point, material, u) {
+        Meeting::Surface => None,
+        Meeting::Passing => Some(path.pass(point, Vec3::ONE)),
+        Meeting::Shadow => {
             // Coverage counts as far as the surface is seen: a body that light passes may lie before it
             let seen = (path.throughput.element_sum() / 3.0).min(1.0);
             path.sample.alpha = 1.0 - seen * (1.0 - missing_light(world, path, point, sampler.next_4d()));

@@ -1,5 +1,6 @@
 //! Scenes made ready, views of them, and the loop that renders them into films.
 
+mod cryptomatte;
 mod exact_sums;
 mod film;
 mod fingerprint;
@@ -16,6 +17,7 @@ mod shard_merge;
 mod tile_grid;
 mod view;
 
+pub use cryptomatte::{MOST_MATTE_SAMPLES, matte_hash, matte_id};
 pub use film::{FilmSums, TileSums};
 pub use fingerprint::{Fingerprint, content_hash};
 pub use live_film::{FilmLayer, LiveFilm};
