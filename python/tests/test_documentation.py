@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import translucid
-from translucid import _conversion, _plot, _presets, _render, _translucid, reference
+from translucid import _conversion, _cryptomatte, _plot, _presets, _render, _translucid, reference
 
 PUBLIC = [translucid, reference]
 try:
@@ -16,7 +16,7 @@ try:
     PUBLIC.append(translucid.ray)
 except ImportError:  # Ray comes apart
     pass
-MODULES = [*PUBLIC, _conversion, _plot, _presets, _render]
+MODULES = [*PUBLIC, _conversion, _cryptomatte, _plot, _presets, _render]
 
 
 def public():

@@ -645,3 +645,85 @@ def test_objects_and_materials_come_move_and_go():
         with pytest.raises(translucid.SceneError, match=message):
             edit()
     session.run(1)
+
+
+def two_balls(**arguments):
+    scene = Scene(film={"size": [40, 30]})
+    scene.add_material("wax", subsurface_weight=1, subsurface_color=[0.9, 0.7, 0.4], subsurface_radius=0.4)
+    scene.add_material("glow", emission_luminance=1.0, geometry_opacity=0.5)
+    scene.add_object("one", shape="sphere", material="wax", translate=[-0.6, 0, 0])
+    scene.add_object("other", shape="sphere", material="glow", translate=[0.6, 0, 0.5])
+    session = Session(scene, **arguments)
+    session.run(16)
+    return session
+
+
+def matte_of(pairs, name):
+    return np.where(pairs[..., 0] == np.float32(translucid.cryptomatte_id(name)), pairs[..., 1], 0).sum(axis=2)
+
+
+def test_cryptomatte_adds_up_to_alpha():
+    session = two_balls()
+    alpha = session.snapshot("alpha")[..., 0]
+    assert 0 < alpha.mean() < 1
+    for kind, names in (("object", ("one", "other")), ("material", ("wax", "glow"))):
+        pairs = session.cryptomatte(kind, levels=3)
+        assert pairs.shape == (30, 40, 3, 2) and pairs.dtype == np.float32
+        mattes = [matte_of(pairs, name) for name in names]
+        assert all(matte.max() > 0.3 for matte in mattes)
+        assert np.abs(sum(mattes) - alpha).max() < 1e-6
+        assert (np.diff(pairs[..., 1]) <= 0).all()
+    assert session.samples == 16
+
+
+def test_cryptomatte_is_the_same_on_any_threads_and_of_a_region():
+    whole = two_balls(threads=1).cryptomatte()
+    assert np.array_equal(bits(two_balls(threads=3).cryptomatte()), bits(whole))
+    assert np.array_equal(bits(two_balls(region=(10, 5, 30, 20)).cryptomatte()), bits(whole[5:20, 10:30]))
+
+
+def test_cryptomatte_takes_other_names():
+    session = two_balls()
+    pairs = session.cryptomatte(names={"one": "both", "other": "both"})
+    assert np.abs(matte_of(pairs, "both") - session.snapshot("alpha")[..., 0]).max() < 1e-6
+    assert pairs[..., 1:, :].max() == 0
+
+
+def test_cryptomatte_of_no_samples_is_empty():
+    session = two_balls()
+    session.edit_material("wax", subsurface_radius=1)
+    assert session.cryptomatte(levels=1).max() == 0
+
+
+def test_cryptomatte_refuses_what_it_cannot_make():
+    session = two_balls()
+    with pytest.raises(ValueError, match="kind is 'asset', but must be one of object, material"):
+        session.cryptomatte("asset")
+    with pytest.raises(ValueError, match="levels"):
+        session.cryptomatte(levels=0)
+    with pytest.raises(TypeError):
+        session.cryptomatte(names={"one": 1})
+
+
+def test_cancelling_ends_a_cryptomatte():
+    scene = Scene()
+    scene.add_material("black", base_weight=0, specular_weight=0)
+    scene.add_object("ball", shape="sphere", material="black")
+    session = Session(scene, size=(1400, 1000), threads=1)
+    session.run(3)
+    failures = []
+
+    def work():
+        try:
+            session.cryptomatte()
+        except RuntimeError as error:
+            failures.append(str(error))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    time.sleep(0.05)
+    begun = time.perf_counter()
+    session.cancel()
+    assert time.perf_counter() - begun < 0.3
+    thread.join(10)
+    assert failures == ["the session was cancelled meanwhile"]

@@ -9,6 +9,7 @@
 - `presets`: measured materials.
 - `Scene`, `render`, `Session`: scenes from files and arrays, and pictures of them.
 - `tonemap`, `read_exr`, `write_exr`: pictures in files.
+- `cryptomatte_id`, `cryptomatte_metadata`: names and notes of Cryptomattes.
 
 Lengths are in one unit that the caller chose; a function returns them in the same.
 Whatever takes radii, albedos or lengths takes numbers and arrays of any shape, and broadcasts them by NumPy's rules.
@@ -26,6 +27,7 @@ A wrong argument is a `ValueError` or `TypeError` that says which, its value and
 
 from . import reference
 from ._conversion import Conversion, ConvertedParameter, convert
+from ._cryptomatte import cryptomatte_metadata
 from ._cycles import cycles_material
 from ._measure import Measured, Measurement, measure
 from ._presets import presets
@@ -37,6 +39,7 @@ from ._translucid import (
     Scene,
     SceneError,
     __version__,
+    cryptomatte_id,
     fit,
     fit_scaling,
     models,
@@ -59,6 +62,8 @@ __all__ = [
     "Session",
     "__version__",
     "convert",
+    "cryptomatte_id",
+    "cryptomatte_metadata",
     "cycles_material",
     "fit",
     "fit_scaling",

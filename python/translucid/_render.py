@@ -117,6 +117,49 @@ class Session(_translucid.Session):
         taken = {name: self.snapshot(name) for name in layers}
         return Picture(taken, exposure=exposure, tone_mapping=tone_mapping)
 
+    def cryptomatte(self, kind="object", *, levels=6, names=None):
+        """Find the names that each pixel shows, and the shares of it that they cover (Cryptomatte).
+
+        What counts is the first surface that the picture's samples see, at most 256 of them, or the one behind where it is
+        not opaque. What runs in the background is ended.
+
+        Parameters
+        ----------
+        kind : str
+            ``'object'`` or ``'material'``.
+        levels : int
+            Most names of a pixel, at most 64; the least of more are dropped.
+        names : dict of str to str, optional
+            Other names for those in the scene, whose shares are added up where several have one.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (height, width, levels, 2), float32: ids (see `cryptomatte_id`) and shares, the greatest first, 0 behind
+            the last. The shares add up to alpha, but for lights and a visible environment, which have no id.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Ctrl-C was pressed.
+        RuntimeError
+            The session was cancelled meanwhile.
+
+        Examples
+        --------
+        >>> scene = translucid.Scene()
+        >>> scene.add_object("ball", shape="sphere")
+        >>> session = translucid.Session(scene, size=(32, 24))
+        >>> session.run(4)
+        >>> pairs = session.cryptomatte()
+        >>> pairs.shape
+        (24, 32, 6, 2)
+        >>> matte = (pairs[..., 1] * (pairs[..., 0] == translucid.cryptomatte_id("ball"))).sum(axis=2)
+        >>> float(matte[12, 16])
+        1.0
+        """
+        return self._cryptomatte(kind, levels, dict(names or {}))
+
     def _repr_png_(self):
         return self.picture()._repr_png_()
 

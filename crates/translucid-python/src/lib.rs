@@ -10,6 +10,7 @@ mod fit;
 mod keys;
 mod live_session;
 mod long_work;
+mod mattes;
 mod measure;
 mod names;
 mod photons;
@@ -52,6 +53,8 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reference::exact_beyond, module)?,
         wrap_pyfunction!(reference::exact_total, module)?,
         wrap_pyfunction!(white_table::walk, module)?,
+        wrap_pyfunction!(mattes::cryptomatte_id, module)?,
+        wrap_pyfunction!(mattes::_cryptomatte_hash, module)?,
         wrap_pyfunction!(measure::_measure, module)?,
         wrap_pyfunction!(measure::_measure_scene, module)?,
         wrap_pyfunction!(pictures::tonemap, module)?,

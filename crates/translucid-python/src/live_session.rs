@@ -1,7 +1,7 @@
 //! A session that is read while it runs in the background, and edited once it does not.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
@@ -18,6 +18,8 @@ pub(crate) struct LiveSession {
     facts: Mutex<Facts>,
     threads: usize,
     progress: Arc<Progress>,
+    /// Somebody waits for the session, for which [`work`](Self::work) is to end.
+    is_wanted: AtomicBool,
 }
 
 /// Paths done and to be done.
@@ -35,6 +37,7 @@ impl LiveSession {
             state: Mutex::new(State::Idle(Box::new(session))),
             threads,
             progress: Arc::default(),
+            is_wanted: AtomicBool::new(false),
         }
     }
 
@@ -106,7 +109,12 @@ impl LiveSession {
         py: Python<'_>,
         how: impl FnOnce(RunningSession) -> (Session, Result<Outcome, SceneError>) + Send,
     ) -> PyResult<()> {
-        py.detach(|| end(&mut self.lock(), how))?;
+        py.detach(|| {
+            self.is_wanted.store(true, Ordering::Relaxed);
+            let mut state = self.lock();
+            self.is_wanted.store(false, Ordering::Relaxed);
+            end(&mut state, how)
+        })?;
         Ok(())
     }
 
@@ -116,15 +124,32 @@ impl LiveSession {
         py: Python<'_>,
         use_it: impl FnOnce(&mut Session) -> Result<T, SceneError> + Send,
     ) -> PyResult<T> {
-        let result: Result<T, Failure> = py.detach(|| {
-            let mut state = self.lock();
-            end(&mut state, RunningSession::stop)?;
-            match &mut *state {
-                State::Idle(session) => Ok(use_it(session)?),
-                State::Running(_) | State::Lost => Err(lost()),
-            }
-        });
-        Ok(result?)
+        Ok(py.detach(|| self.idle(use_it))?)
+    }
+
+    fn idle<T>(&self, use_it: impl FnOnce(&mut Session) -> Result<T, SceneError>) -> Result<T, Failure> {
+        let mut state = self.lock();
+        end(&mut state, RunningSession::stop)?;
+        match &mut *state {
+            State::Idle(session) => Ok(use_it(session)?),
+            State::Running(_) | State::Lost => Err(lost()),
+        }
+    }
+
+    /// Works with the session on its threads; ends it before if it runs. The work is told to stop by the flag, and where
+    /// the session is ended meanwhile.
+    pub(crate) fn work<T: Send>(
+        &self,
+        stop: &AtomicBool,
+        work: impl FnOnce(&mut Session, &(dyn Fn() -> bool + Sync)) -> Result<T, SceneError> + Send,
+    ) -> Result<T, Failure> {
+        let is_stopped = || stop.load(Ordering::Relaxed) || self.is_wanted.load(Ordering::Relaxed);
+        self.idle(|session| self.pool()?.install(|| work(session, &is_stopped)))
+    }
+
+    fn pool(&self) -> Result<rayon::ThreadPool, SceneError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
+        pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))
     }
 
     /// Changes the session, which is ended if it runs; its film then begins anew.
@@ -134,10 +159,7 @@ impl LiveSession {
         change: impl FnOnce(&mut Session) -> Result<(), SceneError> + Send,
     ) -> PyResult<()> {
         self.with_idle(py, |session| {
-            let threads = self.threads;
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))?;
-            pool.install(|| change(session))?;
+            self.pool()?.install(|| change(session))?;
             *self.facts() = Facts::of(session);
             Ok(())
         })

@@ -1,5 +1,6 @@
 //! `Session`: a picture that becomes better step by step, while its scene is edited and its film read.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,6 +21,7 @@ use crate::arrays::Any;
 use crate::keys::{named_piece_of, piece_of, plain_piece_of};
 use crate::live_session::LiveSession;
 use crate::long_work;
+use crate::mattes::{Kind, mattes};
 use crate::names::{self, all_of_object, index_of};
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
 use crate::scene_error::{scene_error, warn};
@@ -30,6 +32,9 @@ const MOST_SAMPLES: u64 = 1 << 24;
 
 /// Most threads of a session.
 const MOST_THREADS: u64 = 1024;
+
+/// Most ids of a pixel.
+const MOST_LEVELS: u64 = 64;
 
 /// Longest time between two looks at a session that is waited for.
 const LONGEST_NAP: Duration = Duration::from_millis(20);
@@ -305,6 +310,20 @@ impl Session {
             ([height, width, layer.channels()], film.layer(layer))
         });
         Ok(values.into_pyarray(py).reshape(shape)?.into_any())
+    }
+
+    /// The pairs of `cryptomatte`, which the Python half documents.
+    #[pyo3(signature = (kind, levels, names))]
+    #[expect(clippy::needless_pass_by_value, reason = "what Python gives")]
+    fn _cryptomatte<'py>(
+        &self,
+        py: Python<'py>,
+        kind: &str,
+        levels: &Any<'_>,
+        names: HashMap<String, String>,
+    ) -> PyResult<Any<'py>> {
+        let levels = whole_number("levels", levels, 1, MOST_LEVELS)? as usize;
+        mattes(py, &self.live, Kind::from_name(kind)?, levels, &names)
     }
 
     /// Changes a material; what is not named stays.
