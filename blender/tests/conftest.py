@@ -5,5 +5,5 @@ collect_ignore = []
 try:
     import bpy  # noqa: F401
 except ImportError:
-    needs = ("compare", "edits", "engine", "geometry", "lamps", "materials", "odd_scenes", "package", "panels", "pictures", "scenes", "speed", "subsurface")
+    needs = ("compare", "cryptomatte", "edits", "engine", "geometry", "lamps", "materials", "odd_scenes", "package", "panels", "pictures", "scenes", "speed", "subsurface")
     collect_ignore = [f"test_{name}.py" for name in needs]

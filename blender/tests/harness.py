@@ -142,18 +142,29 @@ def messages():
 
 def render(layers=("Combined",)):
     """The layers of a rendering by their names, the upper row first; `Combined` in RGBA."""
+    with tempfile.TemporaryDirectory() as folder:
+        return translucid.read_exr(write(Path(folder) / "picture.exr"))
+
+
+def write(path):
+    """Renders into a file of all layers, and returns its path."""
     scene = bpy.context.scene
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = "MULTI_LAYER_IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.color_depth, settings.exr_codec = "32", "ZIP"
-    with tempfile.TemporaryDirectory() as folder:
-        scene.render.filepath = str(Path(folder) / "picture.exr")
-        scene.render.use_file_extension = False
-        bpy.ops.render.render(write_still=True)
-        found = translucid.read_exr(scene.render.filepath)
-    return found
+    scene.render.filepath, scene.render.use_file_extension = str(path), False
+    bpy.ops.render.render(write_still=True)
+    return path
+
+
+def compositor(make):
+    """Has Blender's compositor make the picture from the socket that `make` returns for a new tree's nodes and links."""
+    tree = bpy.data.node_groups.new("compositing", "CompositorNodeTree")
+    bpy.context.scene.compositing_node_group = tree
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    tree.links.new(make(tree.nodes, tree.links), tree.nodes.new("NodeGroupOutput").inputs[0])
 
 
 def combined():
@@ -161,8 +172,8 @@ def combined():
     return next(value for name, value in found.items() if "Combined" in name)
 
 
-def render_cycles(samples, seed=1):
-    """What Cycles renders, unbiased: nothing clamped, nothing left out."""
+def render_cycles(samples, seed=1, take=None):
+    """What Cycles renders, unbiased: nothing clamped, nothing left out. `take` renders, or it is the picture alone."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
@@ -174,7 +185,7 @@ def render_cycles(samples, seed=1):
     cycles.blur_glossy = 0.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0.0
     try:
-        return combined()
+        return (take or combined)()
     finally:
         scene.render.engine = "TRANSLUCID"
 

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 import translucid
 
-from . import settings
+from . import mattes, settings
 from .export.camera import depth_along_view, scene_camera
 from .export.report import Report
 from .export.scene import Exporter, build
@@ -92,6 +92,8 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             if is_wanted(layer):
                 kind = {"Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
                 self.register_pass(scene, layer, name, len(channels), channels, kind)
+        for name in mattes.passes_of(layer):
+            self.register_pass(scene, layer, name, 4, mattes.CHANNELS, "COLOR")
 
     def update(self, data, depsgraph):
         layer = depsgraph.view_layer.name
@@ -119,6 +121,8 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         for name, _, channels, is_wanted in PASSES:
             if is_wanted(layer):
                 self.add_pass(name, len(channels), channels, layer=layer.name)
+        for name in mattes.passes_of(layer):
+            self.add_pass(name, 4, mattes.CHANNELS, layer=layer.name)
         frame = _Frame(None, layer, None, size, region, min(samples, _PREVIEW_SAMPLES) if self.is_preview else samples)
         try:
             for view in _views(scene):
@@ -154,7 +158,23 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         self._session = session = self._prepared(scene, frame)
         session.start(frame.samples)
         self._watch(session, scene, frame.samples, lambda: self._show(frame, session, False))
+        for matte in mattes.mattes_of(frame.layer, self._description):
+            self._add_matte(frame, session, matte)
         self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
+
+    def _add_matte(self, frame, session, matte):
+        """Hands a Cryptomatte over, and the notes by which files name what is in it."""
+        if self.is_cancelled():
+            return
+        self._state("Cryptomatte")
+        task = Task(lambda: list(matte.values(session)))
+        while not task.wait(_NAP):
+            if self.is_cancelled():
+                return
+        for name, values in task.result():
+            _hand_over(frame.result.layers[0].passes[name], values)
+        for key, text in matte.notes().items():
+            self.get_result().stamp_data_add_field(key, text)
 
     def _prepared(self, scene, frame):
         """A session, which another thread makes."""

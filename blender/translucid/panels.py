@@ -136,6 +136,10 @@ class TRANSLUCID_PT_passes(_Panel, bpy.types.Panel):
         column.prop(layer, "use_pass_normal")
         for name in ("use_diffuse", "use_glossy", "use_subsurface", "use_emission", "use_albedo"):
             column.prop(layer.translucid, name)
+        column = self.layout.column(heading="Cryptomatte")
+        for what in ("object", "material", "asset"):
+            column.prop(layer, f"use_pass_cryptomatte_{what}", text=what.title())
+        column.prop(layer, "pass_cryptomatte_depth", text="Levels")
 
 
 class TRANSLUCID_PT_material(_Panel, bpy.types.Panel):

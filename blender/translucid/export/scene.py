@@ -30,6 +30,8 @@ class Body:
     places: list = field(default_factory=list)
     # A name for each place.
     owners: list = field(default_factory=list)
+    # Names of the object that is seen at each place, and of its topmost parent.
+    shown: list = field(default_factory=list)
 
 
 @dataclass
@@ -38,6 +40,8 @@ class Description:
 
     bodies: dict = field(default_factory=dict)
     materials: dict = field(default_factory=dict)
+    # What Cycles calls the materials.
+    material_names: dict = field(default_factory=dict)
     lights: list = field(default_factory=list)
     environment: dict = field(default_factory=dict)
 
@@ -91,6 +95,7 @@ class Exporter:
         if not seen.all():
             body.places = [body.places[i] for i in np.flatnonzero(seen)]
             body.owners = [body.owners[i] for i in np.flatnonzero(seen)]
+            body.shown = [body.shown[i] for i in np.flatnonzero(seen)]
 
     def _environment(self):
         if self._cache.environment is not None:
@@ -127,6 +132,7 @@ class Exporter:
             self._cache.sources.setdefault(key, set()).update((shown.name_full, shown.data.name_full))
         body.places.append(np.array(instance.matrix_world, dtype=np.float64))
         body.owners.append(_place_name(instance))
+        body.shown.append((shown.name, _topmost(shown).name))
 
     def _look_at(self, shown):
         where = f"object {shown.name}"
@@ -177,6 +183,7 @@ class Exporter:
         if name not in description.materials:
             known = self._cache.materials.get(name)
             description.materials[name] = self._material(material) if known is None else known
+            description.material_names[name] = material.name if material is not None else "default_surface"
 
 
 class Cache:
@@ -222,6 +229,12 @@ def material_name(material):
     return material.name_full if material is not None else "(no material)"
 
 
+def _topmost(owner):
+    while owner.parent is not None:
+        owner = owner.parent
+    return owner
+
+
 def _place_name(instance):
     if not instance.is_instance:
         return instance.object.name_full
@@ -249,6 +262,11 @@ def build(description, camera, film, integrator, movable=False):
 
 def meshes_of(name, body, materials, movable=False):
     """The arguments of `Scene.add_mesh` for the parts of a body."""
+    return (keys for _, keys in placed_meshes(name, body, materials, movable))
+
+
+def placed_meshes(name, body, materials, movable=False):
+    """The arguments of `Scene.add_mesh` for the parts of a body, each with the numbers of its places."""
     # The parts of a body share the light below their surfaces, and each place is a body of its own.
     is_shared = len(body.parts) > 1 and any(materials[material].scatters for material, _ in body.parts)
     places = np.array(body.places)
@@ -264,7 +282,7 @@ def meshes_of(name, body, materials, movable=False):
             "material": material,
         }
         if len(places) > 1 and not is_shared and max(stretch) < _FLAT:
-            yield {"name": own, "transforms": places, **words}
+            yield range(len(places)), {"name": own, "transforms": places, **words}
             continue
         for i, place in enumerate(places):
             group = {"subsurface_group": body.owners[i]} if is_shared else {}
@@ -273,10 +291,10 @@ def meshes_of(name, body, materials, movable=False):
                 # What is flattened has no normals that a matrix could turn.
                 flat = _moved(part.vertices, place)
                 if has_area(flat, part.triangles):
-                    yield {"name": unique, **words, "vertices": flat, "normals": None, **group}
+                    yield [i], {"name": unique, **words, "vertices": flat, "normals": None, **group}
                 continue
             free = {"movable": True} if movable and len(places) == 1 and stretch[i] < _STRETCHED else {}
-            yield {"name": unique, "matrix": place.ravel().tolist(), **group, **free, **words}
+            yield [i], {"name": unique, "matrix": place.ravel().tolist(), **group, **free, **words}
 
 
 # How much a place may stretch one direction more than another: to be a map at all, and to be moved in place.
