@@ -2,14 +2,16 @@
 """What Blender asks of an engine: passes, regions, layers, seeds, errors, the user's word."""
 
 import re
+import sys
 import threading
 import time
+from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 import translucid
-from harness import Nodes, add_camera, add_light, add_plane, addon, combined, link, matte, messages, new_scene, radians, render, set_world
+from harness import Nodes, add_camera, add_light, add_plane, addon, combined, compositor, link, matte, messages, new_scene, radians, render, set_world
 
 
 def still_life(width=64, height=48, samples=8, **settings):
@@ -42,6 +44,28 @@ def test_passes_add_up():
     assert all(found[name].max() > 0 for name in ("Diffuse", "Glossy", "Subsurface", "Emission", "Albedo"))
     # The floor, seen in the lowest rows.
     assert np.abs(found["Normal"][-3:, 2:20] - [0, 0, 1]).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["Depth", "Normal", "Subsurface"])
+def test_the_compositor_has_the_passes(name):
+    still_life(samples=2)
+    layer = bpy.context.view_layer
+    layer.use_pass_z = layer.use_pass_normal = True
+    for each in ("use_diffuse", "use_glossy", "use_subsurface", "use_emission", "use_albedo"):
+        setattr(layer.translucid, each, True)
+
+    def make(nodes, links):
+        outputs = nodes.new("CompositorNodeRLayers").outputs
+        # As Cycles calls them, the last but for Emission ours.
+        names = ["Image", "Alpha", "Depth", "Normal", "Diffuse", "Glossy", "Subsurface", "Emission", "Albedo"]
+        assert [output.name for output in outputs if output.enabled] == names
+        return outputs[name]
+
+    compositor(make)
+    found = render()
+    made, expected = found["Composite.Combined"][..., :3], found[f"ViewLayer.{name}"]
+    assert np.array_equal(made, np.broadcast_to(expected, made.shape))
+    assert expected.max() > 0
 
 
 def test_depth_is_along_the_view():
@@ -287,17 +311,51 @@ def test_registering_again():
     assert combined().max() > 0
 
 
-def test_denoising_is_by_blenders_own_library():
-    scene = still_life(64, 48, samples=256)
-    clean = combined()[..., :3]
-    scene.translucid.samples = 8
-    noisy = combined()[..., :3]
+def errors_of_denoising(samples, reference):
+    """Mean square errors of a picture without and with denoising, and the pictures: the reference, noisy, denoised."""
+    scene = bpy.context.scene
+    scene.translucid.samples = reference
+    clean = combined()
+    scene.translucid.samples = samples
+    noisy = combined()
     scene.translucid.use_denoising = True
     denoised = combined()
-    error = lambda picture: np.square(picture - clean).mean()
     assert messages() == []
-    assert error(denoised[..., :3]) < 0.5 * error(noisy)
-    assert denoised[..., 3].min() == 1
+    error = lambda picture: np.square(picture - clean)[..., :3].mean()
+    return error(noisy), error(denoised), (clean, noisy, denoised)
+
+
+def test_denoising_is_by_blenders_own_library():
+    still_life(64, 48)
+    noisy, denoised, pictures = errors_of_denoising(8, 256)
+    print(f"mean square error {noisy:.3g} becomes {denoised:.3g}")
+    assert denoised < 0.5 * noisy
+    assert pictures[2][..., 3].min() == 1
+    if sys.platform == "linux":
+        loaded = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "OpenImageDenoise" in line}
+        assert loaded and all(Path(bpy.__file__).parents[4] in Path(path).parents for path in loaded), loaded
+
+
+def test_denoising_keeps_textures_that_noise_hides():
+    """It is given the albedo, by which it knows texels of 2 pixels from noise of a greater variance."""
+    new_scene(64, 48)
+    texels = np.random.default_rng(1).choice([0.4, 0.6], (24, 32)).astype(np.float32)
+    image = bpy.data.images.new("texels", 32, 24, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(np.dstack([texels, texels, texels, np.ones_like(texels)]).ravel())
+    nodes = Nodes("texels")
+    texture = nodes.add("TexImage")
+    texture.image, texture.interpolation = image, "Closest"
+    plane = add_plane(1, material=nodes.surface(nodes.add("BsdfDiffuse", Color=texture.outputs[0])))
+    plane.scale = (2, 1.5, 1)
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=4)
+    add_light("AREA", (3, 0, 0.7), radians(0, 80, 0), energy=100.0, size=2.0)
+    noisy, denoised, pictures = errors_of_denoising(1, 1024)
+    is_bright = np.kron(texels, np.ones((2, 2)))[::-1] > 0.5
+    contrast, _, kept = (picture[is_bright, 0].mean() / picture[~is_bright, 0].mean() - 1 for picture in pictures)
+    print(f"mean square error {noisy:.3g} becomes {denoised:.3g}, contrast {contrast:.3f} becomes {kept:.3f}")
+    assert denoised < 0.1 * noisy
+    assert kept > 0.75 * contrast
 
 
 def test_time_memory_and_samples_are_in_the_status_line(monkeypatch):
