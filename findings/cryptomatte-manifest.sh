@@ -3,8 +3,8 @@
 #
 # Version: bpy 5.2.3 (PyPI, Python 3.13); the same in 5.0.1.
 # Expected: a manifest is JSON, as the specification (1.2.0) has it, and its ids are the bits of the numbers in the pixels.
-# Seen: names are not escaped, so that of an object called 5" pipe is {"5" pipe":…}. Of a name whose hash has an exponent of 0
-#       or 255, as "sheet 348" and one of 128 others, the manifest has the hash, 7f864c77, and the pixels have 7f064c77, in
+# Seen: names are not escaped, so that of an object called 5" pipe is {"5" pipe":…}. Where the hash of a name has an exponent of 0
+#       or 255, as one name in 128 has, the manifest has the hash (of "sheet 348" 7f864c77) and the pixels have 7f064c77, in
 #       which a bit is changed for it to be a number. Programs that take ids from the manifest find no such pixel.
 # Fails if that changes.
 set -euo pipefail
