@@ -697,7 +697,7 @@ def test_cryptomatte_of_no_samples_is_empty():
 
 def test_cryptomatte_refuses_what_it_cannot_make():
     session = two_balls()
-    with pytest.raises(ValueError, match="kind is 'asset', but must be one of object, material"):
+    with pytest.raises(ValueError, match='kind is "asset", but must be one of object, material'):
         session.cryptomatte("asset")
     with pytest.raises(ValueError, match="levels"):
         session.cryptomatte(levels=0)
