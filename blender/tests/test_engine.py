@@ -345,7 +345,7 @@ def test_denoising_keeps_textures_that_noise_hides():
     image.pixels.foreach_set(np.dstack([texels, texels, texels, np.ones_like(texels)]).ravel())
     nodes = Nodes("texels")
     texture = nodes.add("TexImage")
-    texture.image, texture.interpolation = image, "Closest"
+    texture.image = image
     plane = add_plane(1, material=nodes.surface(nodes.add("BsdfDiffuse", Color=texture.outputs[0])))
     plane.scale = (2, 1.5, 1)
     add_camera((0, 0, 5), type="ORTHO", ortho_scale=4)
