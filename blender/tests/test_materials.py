@@ -75,7 +75,8 @@ BESIDE_CYCLES = {
     "principled Burley": (lambda: scattering("BsdfPrincipled", "BURLEY", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
     "principled walk": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
     "principled skin": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK_SKIN", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
-    "principled walk forward": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.05, Subsurface_Anisotropy=0.7), 0.02),
+    # Cycles goes on in the similar isotropic medium after ten flights.
+    "principled walk forward": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.05, Subsurface_Anisotropy=0.7), 0.03),
     "half scattering": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=0.5, Subsurface_Scale=0.3), 0.02),
 }
 if HAS_LEGACY_WALK:
