@@ -20,7 +20,7 @@
 //! and A is the albedo of the light that enters. Subsurface scattering is the matte term with A spread over the surface,
 //! the BSSRDF `S = T(ωo) R(r) T(ωi) / (π T̄)`, which without an interface is exactly `R / π`.
 //!
-//! A [thin-walled](thin_wall) surface has the same layers on both sides, and light that comes through it leaves on the
+//! A thin-walled surface has the same layers on both sides, and light that comes through it leaves on the
 //! other side: `f = A' T(ωi) T(ωo) / (π T̄)` there, with A' the albedo of transmission, and clear transmission straight on.
 //!
 //! # Conventions
