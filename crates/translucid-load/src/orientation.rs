@@ -73,7 +73,7 @@ pub(super) fn turn_model(model: &mut MeshFile, rotation: Mat3) {
             }
             Light::Distant { direction, .. } => *direction = rotation * *direction,
             // Mesh files have no others.
-            Light::Rectangle { .. } | Light::Ellipse { .. } | Light::Sphere { .. } | Light::Beam { .. } => {}
+            _ => {}
         }
     }
     for named in &mut model.cameras {

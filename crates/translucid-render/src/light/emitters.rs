@@ -15,6 +15,7 @@ use super::rectangle::Rectangle;
 use super::sphere::Sphere;
 use super::spot::Spot;
 use super::triangle::{EmissiveTriangle, emitting};
+use crate::ray::LightOrigin;
 
 /// Any light but a triangle.
 #[derive(Clone, Debug)]
@@ -67,9 +68,40 @@ impl PlacedLight {
 
     /// Returns `true` if no ray can meet it.
     pub(crate) fn is_delta(&self) -> bool {
+        self.delta_origin().is_some()
+    }
+
+    /// Where the light of a delta light comes from, which no ray can meet; none of others.
+    pub(crate) fn delta_origin(&self) -> Option<LightOrigin> {
         match self {
-            Self::Distant(light) => !light.is_disc(),
-            _ => matches!(self, Self::Spot(_) | Self::Beam(_)),
+            Self::Spot(light) => Some(LightOrigin::At(light.position())),
+            Self::Beam(light) => Some(LightOrigin::Along(light.toward())),
+            Self::Distant(light) if !light.is_disc() => {
+                Some(LightOrigin::Along(light.sample_direction().direction))
+            }
+            Self::Rectangle(_)
+            | Self::Ellipse(_)
+            | Self::Sphere(_)
+            | Self::Distant(_)
+            | Self::Environment(_) => None,
+        }
+    }
+
+    /// A delta light as seen from a point: its intensity if it comes from a place, else the irradiance on a surface that
+    /// faces it.
+    pub(crate) fn delta_sample(&self, point: Vec3) -> Option<LightSample> {
+        match self {
+            Self::Spot(light) => {
+                let (direction, distance) = (light.position() - point).normalize_and_length();
+                Some(LightSample::delta(direction, distance, light.intensity_toward(-direction)))
+            }
+            Self::Beam(light) => light.sample(point),
+            Self::Distant(light) if !light.is_disc() => Some(light.sample_direction()),
+            Self::Rectangle(_)
+            | Self::Ellipse(_)
+            | Self::Sphere(_)
+            | Self::Distant(_)
+            | Self::Environment(_) => None,
         }
     }
 
@@ -209,7 +241,12 @@ impl Emitters {
             Some(PlacedLight::Rectangle(light)) => Some(light.normal()),
             Some(PlacedLight::Ellipse(light)) => Some(light.normal()),
             Some(PlacedLight::Sphere(light)) => light.normal_at(place),
-            Some(_) => None,
+            Some(
+                PlacedLight::Distant(_)
+                | PlacedLight::Spot(_)
+                | PlacedLight::Beam(_)
+                | PlacedLight::Environment(_),
+            ) => None,
             None => self.triangles[light - self.sources.len()].normal(),
         }
     }

@@ -91,13 +91,10 @@ impl LightSet {
         let delta = self.delta.as_ref()?;
         let choice = delta.by_power.sample(u.into());
         let light = delta.lights[choice.index];
-        let (beyond, distance) = match &self.emitters.sources[light] {
-            PlacedLight::Spot(spot) => (LightOrigin::At(spot.position()), spot.position().distance(point)),
-            PlacedLight::Beam(beam) => (LightOrigin::Along(beam.toward()), f32::INFINITY),
-            PlacedLight::Distant(distant) => {
-                (LightOrigin::Along(distant.sample_direction().direction), f32::INFINITY)
-            }
-            _ => return None,
+        let beyond = self.emitters.sources[light].delta_origin()?;
+        let distance = match beyond {
+            LightOrigin::At(place) => place.distance(point),
+            LightOrigin::Along(_) => f32::INFINITY,
         };
         let sample = LightSample::delta(Vec3::ZERO, distance, Vec3::ZERO);
         Some(RefractedLight { light, beyond, sample, share: share * choice.probability as f32 })
@@ -114,28 +111,20 @@ impl LightSet {
         bend: Vec3,
     ) -> Option<LightSample> {
         let sample = match refracted.beyond {
-            LightOrigin::Along(direction) => match &self.emitters.sources.get(refracted.light) {
-                Some(PlacedLight::Beam(beam)) => beam.sample(bend)?,
-                Some(PlacedLight::Distant(light)) if refracted.sample.is_delta => light.sample_direction(),
-                _ => LightSample { direction, ..refracted.sample },
-            },
+            _ if refracted.sample.is_delta => {
+                self.emitters.sources.get(refracted.light)?.delta_sample(bend)?
+            }
+            LightOrigin::Along(direction) => LightSample { direction, ..refracted.sample },
             LightOrigin::At(place) => {
                 let (direction, distance) = (place - bend).normalize_and_length();
-                match self.emitters.sources.get(refracted.light) {
-                    Some(PlacedLight::Spot(spot)) => {
-                        LightSample::delta(direction, distance, spot.intensity_toward(-direction))
-                    }
-                    _ => {
-                        let normal = self.emitters.normal_at(refracted.light, place)?;
-                        let straight = place - point;
-                        // cos θ over cos θ / d² of the straight path: densities are then those of places on the light
-                        let cosines = -direction.dot(normal) / -straight.normalize_or_zero().dot(normal);
-                        let pdf = refracted.sample.pdf / (straight.length_squared() * cosines.max(0.0));
-                        let radiance = self.emitters.radiance_toward(refracted.light, -direction);
-                        let radiance = radiance.unwrap_or(refracted.sample.radiance);
-                        LightSample { direction, distance, pdf, radiance, ..refracted.sample }
-                    }
-                }
+                let normal = self.emitters.normal_at(refracted.light, place)?;
+                let straight = place - point;
+                // cos θ over cos θ / d² of the straight path: densities are then those of places on the light
+                let cosines = -direction.dot(normal) / -straight.normalize_or_zero().dot(normal);
+                let pdf = refracted.sample.pdf / (straight.length_squared() * cosines.max(0.0));
+                let radiance = self.emitters.radiance_toward(refracted.light, -direction);
+                let radiance = radiance.unwrap_or(refracted.sample.radiance);
+                LightSample { direction, distance, pdf, radiance, ..refracted.sample }
             }
         };
         let sample = LightSample { pdf: sample.pdf * refracted.share, ..sample };

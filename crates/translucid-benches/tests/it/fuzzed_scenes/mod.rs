@@ -30,6 +30,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{FilmSums, Outcome, layer};
+use translucid_scene::description::Slot;
 use translucid_scene::{Light, Object, Scene};
 use translucid_testing::power;
 
@@ -267,18 +268,15 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
 /// Returns `true` if nothing in the scene shines.
 fn is_dark(scene: &Scene) -> bool {
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
-    let color = |light: &Light| match *light {
-        Light::Rectangle { radiance, .. }
-        | Light::Ellipse { radiance, .. }
-        | Light::Sphere { radiance, .. } => radiance,
-        Light::Distant { irradiance, .. } => irradiance,
-        Light::Spot { intensity, .. } => intensity,
-        Light::Beam { power, .. } => power,
+    let is_black = |light: &Light| {
+        let mut light = *light;
+        light.description().fields.iter().all(|field| match (field.slot)(&mut light) {
+            Slot::Radiance(color) | Slot::Power(color) => *color == Vec3::ZERO,
+            _ => true,
+        })
     };
     let sky = scene.environment.map_or(Vec3::ZERO, |environment| environment.radiance);
-    sky == Vec3::ZERO
-        && scene.lights.iter().all(|light| color(light) == Vec3::ZERO)
-        && !scene.objects.iter().any(emits)
+    sky == Vec3::ZERO && scene.lights.iter().all(is_black) && !scene.objects.iter().any(emits)
 }
 
 /// Defect of a film, if it has one.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use translucid_scene::description::{COLOR_KEYS, NORMAL_KEYS, SCALAR_KEYS};
-use translucid_scene::{Object, SceneError, SubsurfaceModel};
+use translucid_scene::{Light, Object, SceneError, SubsurfaceModel};
 
 use super::{BALL, PATH, load, parse};
 use crate::LoadOptions;
@@ -346,8 +346,8 @@ fn broken_shape_combinations_point_at_the_shape() {
 #[test]
 fn broken_light_is_refused() {
     refuse("[[light]]\npower = 1", "light[0] needs the key type", "[[light]]", "");
-    let types = "one of \"rectangle\", \"ellipse\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"";
-    let message = format!("light[0].type is \"rectangel\", but must be {types}");
+    let types = Light::KINDS.map(|kind| format!("\"{}\"", kind.name)).join(", ");
+    let message = format!("light[0].type is \"rectangel\", but must be one of {types}");
     refuse("[[light]]\ntype = \"rectangel\"", &message, "\"rectangel\"", "did you mean \"rectangle\"?");
     let help = "did you mean radiance? the keys are type, center, radius, radiance, visible";
     let text = "[[light]]\ntype = \"sphere\"\nradience = 3";

@@ -416,8 +416,8 @@ fn broken_values_are_refused_before_the_base_is_opened() {
         ("[environment]\nrotation = nan", "environment.rotation is nan, but must be in [-36000, 36000]"),
         ("environment = 5", "environment is a number, but must be a table"),
         (
-            "[[light]]\ntype = \"sun\"",
-            "light[0].type is \"sun\", but must be one of \"rectangle\", \"ellipse\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"",
+            "[[light]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0",
+            "light[0].radius is 0, but must be in (0, 1e10]",
         ),
         (
             "[[object]]\nshape = \"sphere\"\nradius = -1",

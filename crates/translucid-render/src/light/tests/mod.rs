@@ -13,6 +13,7 @@ use translucid_scene::{
 };
 
 use super::*;
+use crate::ray::LightOrigin;
 use crate::sampling::Sampler;
 
 mod many;
@@ -438,8 +439,8 @@ fn environment_map_can_be_sampled_wherever_it_shines() {
 }
 
 /// One light of each kind, none in another's way as seen from the origin.
-fn all_kinds() -> (LightSet, Vec<EmissiveTriangle>) {
-    let lights = vec![
+fn each_kind() -> Vec<Light> {
+    vec![
         rectangle(Vec3::new(0.0, 0.0, 2.0), Vec3::X, Vec3::NEG_Y),
         rectangle(Vec3::new(0.0, 300.0, 400.0), Vec3::X, Vec3::NEG_Y),
         sphere(Vec3::new(3.0, 0.0, 2.0), 1.0),
@@ -459,11 +460,15 @@ fn all_kinds() -> (LightSet, Vec<EmissiveTriangle>) {
         ellipse(Vec3::new(0.0, 4.0, 3.0), Vec3::X * 1.5, Vec3::NEG_Y * 0.75),
         ellipse(Vec3::new(0.0, -300.0, 400.0), Vec3::X, Vec3::NEG_Y),
         round_spot(Vec3::new(2.0, -3.0, 2.0), 0.5, 30.0, 80.0),
-    ];
+    ]
+}
+
+/// All of them, with emissive triangles and a sky.
+fn all_kinds() -> (LightSet, Vec<EmissiveTriangle>) {
     let first = [Vec3::new(-2.0, 1.0, 1.0), Vec3::new(-1.0, 1.0, 1.5), Vec3::new(-2.0, 0.0, 1.0)];
     let second = [Vec3::new(-2.0, 2.0, 1.0), Vec3::new(-1.0, 2.0, 1.5), Vec3::new(-2.0, 1.0, 1.0)];
     let triangles = vec![triangle(17, first), triangle(3, second)];
-    (light_set(lights, triangles.clone(), Some(sunny(64, 32))), triangles)
+    (light_set(each_kind(), triangles.clone(), Some(sunny(64, 32))), triangles)
 }
 
 /// The density that the query functions state for a sample.
@@ -491,6 +496,30 @@ fn sample_states_the_density_of_the_queries() {
     let (lights, triangles) = all_kinds();
     assert_queries(&lights, &triangles);
     assert_queries(&lights.clone().with_selection(LightSelection::Tree), &triangles);
+}
+
+/// Where the surface does not bend its way, light shines refracted as it does straight.
+#[test]
+fn lights_shine_through_a_refraction_as_straight() {
+    for light in each_kind() {
+        let lights = of_light(light);
+        let n = 2000;
+        let (mut straight, mut refracted) = (0.0, 0.0);
+        for index in 0..n {
+            let [a, b, c, _] = numbers(19, index);
+            if let Some(sample) = lights.sample(Vec3::ZERO, Vec3::ZERO, a, [b, c]) {
+                straight += sample.radiance.x / sample.pdf;
+            }
+            let Some(drawn) = lights.sample_refracted(Vec3::ZERO, a, [b, c]) else { continue };
+            let Some(sample) = lights.at_refraction(&drawn, Vec3::ZERO, Vec3::ZERO) else { continue };
+            let spread = match drawn.beyond {
+                LightOrigin::At(_) => sample.distance * sample.distance,
+                LightOrigin::Along(_) => 1.0,
+            };
+            refracted += sample.radiance.x / (sample.pdf * spread);
+        }
+        assert!((refracted / straight - 1.0).abs() < 0.02, "{light:?}: {refracted}, straight {straight}");
+    }
 }
 
 fn assert_queries(lights: &LightSet, triangles: &[EmissiveTriangle]) {
