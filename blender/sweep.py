@@ -390,7 +390,7 @@ def worded(group):
 
 
 def write(text):
-    begin, end = "<!-- blender-sweep -->\n", "<!-- end -->"
+    begin, end = "<!-- measured: blender/sweep.py -->\n", "<!-- end of what was measured -->"
     page = PAGE.read_text()
     head, rest = page.split(begin)
     PAGE.write_text(f"{head}{begin}\n{text}\n\n{end}{rest.split(end, 1)[1]}")
