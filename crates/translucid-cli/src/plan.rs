@@ -66,7 +66,7 @@ struct Part {
 }
 
 impl Part {
-    /// The name says what is in the shard, so that shards of another plan for the same picture stay apart from it.
+    /// Names the shard after its samples and region, so that shards of another plan for the same picture stay apart.
     fn file_name(&self, stem: &str) -> String {
         let Range { start, end } = self.samples;
         let region =

@@ -1,6 +1,6 @@
 //! MaterialX documents (.mtlx): a material of an OpenPBR Surface or an Autodesk Standard Surface.
 //!
-//! What inputs become is in [`shader`], what nodes in front of them may be in [`graph`]; everything else gets a warning, once.
+//! [`shader`] translates inputs and [`graph`] the nodes in front of them; everything else gets a warning, once.
 //! Lengths have the unit that their input states, or that of the scene.
 //! Colors have the color space that is stated around them, and become linear Rec. 709.
 

@@ -54,9 +54,9 @@ pub struct CyclesWalk {
 /// The single-scattering albedo of a color.
 #[derive(Clone, Debug)]
 enum AlbedoFit {
-    /// Of Kulla and Conty.
+    /// The inverse of van de Hulst's approximation by Kulla and Conty.
     VanDeHulst,
-    /// Of Wrenninge and others, with A, B, C, D, E, F.
+    /// The fit of Wrenninge and others, with its coefficients A, B, C, D, E, F.
     Wrenninge([f64; 6]),
 }
 

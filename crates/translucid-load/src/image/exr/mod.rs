@@ -58,7 +58,7 @@ pub struct ExrChannels {
     pub position: [i32; 2],
     /// Names as a file of one part has them, and values row by row from the top; 0 outside of the part's data window.
     ///
-    /// Those of a part are sorted.
+    /// Within a part they are sorted by name.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 

@@ -21,7 +21,7 @@ pub(super) fn layer(name: &str) -> &str {
 /// The names of each part's channels as a file of one part has them.
 ///
 /// In a file of several views the view comes before the component ("Combined.left.R"), as Blender writes it.
-/// Of parts with the same names the picture keeps them, or else the first.
+/// Where parts have the same names, the picture keeps them, or else the first part.
 /// The layers of the others get the part's name in front ("albedo.R"), or its number if the name does not tell it apart.
 pub(super) fn channel_names(headers: &[Header]) -> Vec<Vec<String>> {
     let views: HashSet<_> = headers.iter().filter_map(view_name).collect();

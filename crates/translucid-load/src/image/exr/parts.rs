@@ -22,7 +22,7 @@ const MOST_CHANNELS: usize = 4096;
 /// Methods of compression that can be read.
 const CODECS: &str = "NONE, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA and DWAB";
 
-/// What to do about a file of another codec.
+/// Advice for a file of a codec that cannot be read.
 const CODEC_HELP: &str =
     "save it with one of them; in Blender, set Codec in Output Properties to one such as ZIP or DWAA";
 

@@ -463,7 +463,7 @@ fn each_kind() -> Vec<Light> {
     ]
 }
 
-/// All of them, with emissive triangles and a sky.
+/// Lights of every kind, with emissive triangles and a sky.
 fn all_kinds() -> (LightSet, Vec<EmissiveTriangle>) {
     let first = [Vec3::new(-2.0, 1.0, 1.0), Vec3::new(-1.0, 1.0, 1.5), Vec3::new(-2.0, 0.0, 1.0)];
     let second = [Vec3::new(-2.0, 2.0, 1.0), Vec3::new(-1.0, 2.0, 1.5), Vec3::new(-2.0, 1.0, 1.0)];
