@@ -243,9 +243,19 @@ def _place_name(instance):
     return f"{instance.object.name_full} of {':'.join([parent, *numbers])}"
 
 
+# Distance of a camera [m] from Blender's origin beyond which the renderer counts from near the camera: there, single precision
+# no longer resolves a tenth of a millimeter as finely as walks below surfaces want.
+_NEAR = 8.0
+
+
+def _origin(camera):
+    position = np.array(camera["position"], dtype=np.float64)
+    return np.where(np.abs(position) > _NEAR, np.round(position / _NEAR) * _NEAR, 0.0)
+
+
 def build(description, camera, film, integrator, movable=False):
     """The renderer's scene of a description, whose objects may be movable."""
-    scene = translucid.Scene("m", camera=camera, film=film, integrator=integrator, environment=description.environment)
+    scene = translucid.Scene("m", camera=camera, film=film, integrator=integrator, environment=description.environment, origin=_origin(camera))
     for name, material in description.materials.items():
         scene.add_material(name, **material.keys)
     for name, body in description.bodies.items():

@@ -133,6 +133,8 @@ type Visitor<'a> = dyn FnMut(&str, Slot<'_>) + 'a;
 fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
     let Scene {
         unit: _,
+        // Nothing is measured from it
+        origin: _,
         camera,
         film,
         integrator,

@@ -46,8 +46,9 @@ pub(super) fn load_bare_mesh(
     warn_of_extent((&model.objects, &model.materials), [unit; 2], advice, &place, loading.warnings);
     let up = up_axis(path, &model, options, loading.warnings);
     turn_model(&mut model, up.rotation());
+    let origin = up.rotation().as_dmat3() * model.origin;
     let mut scene = options
-        .finish(stage(model, unit, options).map_err(|error| error.or_at(path))?)
+        .finish(Scene { origin, ..stage(model, unit, options).map_err(|error| error.or_at(path))? })
         .map_err(|error| error.or_at(path))?;
     options.surroundings.apply(&mut scene, loading)?;
     Ok(scene)

@@ -27,6 +27,7 @@ mod number;
 mod obj;
 mod options;
 mod orientation;
+mod origin;
 mod ply;
 mod polygon;
 mod profile_table;

@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use translucid_profile::nearest;
 use translucid_scene::{Camera, Image, Interval, Light, Material, Object, Projection, SceneError};
 
 /// Contents of a mesh file; indices are into its own lists.
 #[derive(Clone, Debug, Default)]
 pub struct MeshFile {
+    /// The point of the file from which all positions below are counted \[L\]; zero where the objects are not far from the
+    /// file's own origin.
+    pub origin: DVec3,
     /// Surfaces, at least one.
     ///
     /// A glTF file has one for each primitive of each node's mesh, named after the node, else the mesh; those of one
@@ -84,6 +87,7 @@ pub(crate) fn scale_lengths(model: &mut MeshFile, factor: f32) {
     if factor == 1.0 {
         return;
     }
+    model.origin *= f64::from(factor);
     for object in &mut model.objects {
         match Arc::get_mut(&mut object.mesh) {
             Some(mesh) if object.world_from_local == Affine3A::IDENTITY => {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use translucid_scene::{Mesh, Object, Place, SceneError, Unit};
 
 use crate::file::{extension, stem};
@@ -9,8 +10,9 @@ use crate::gltf::read_gltf;
 use crate::loading::Loading;
 use crate::mesh_file::MeshFile;
 use crate::obj::read_obj;
-use crate::ply::parse_ply;
-use crate::stl::parse_stl;
+use crate::origin::settle;
+use crate::ply::read_ply;
+use crate::stl::read_stl;
 
 pub(crate) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "gltf" | "glb")
@@ -18,21 +20,27 @@ pub(crate) fn is_gltf(path: &Path) -> bool {
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
 pub(crate) fn load_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+    let mut model = read_model(path, loading)?;
+    settle(&mut model);
+    Ok(model)
+}
+
+fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
         return read_gltf(path, Unit::Meter, loading);
     }
     if extension(path) == "obj" {
         return read_obj(path, loading);
     }
-    let of_one_object = |mesh: Mesh| {
+    let of_one_object = |(mesh, origin): (Mesh, DVec3)| {
         let object = Object { name: stem(path), mesh: mesh.into(), ..Object::default() };
-        MeshFile { objects: vec![object], ..MeshFile::default() }
+        MeshFile { origin, objects: vec![object], ..MeshFile::default() }
     };
     if extension(path) == "ply" {
-        return parse_ply(&loading.read(path)?, path, loading.warnings).map(of_one_object);
+        return read_ply(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
     if extension(path) == "stl" {
-        return parse_stl(&loading.read(path)?, path, loading.warnings).map(of_one_object);
+        return read_stl(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),

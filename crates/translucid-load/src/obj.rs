@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use translucid_scene::{Material, Mesh, Object, Place, SceneError, Warning, repair_mesh};
 
 use super::MeshFile;
@@ -11,6 +11,7 @@ use super::mtl::{ImagePool, parse_mtl};
 use super::polygon::triangulate;
 use crate::file::stem;
 use crate::loading::Loading;
+use crate::origin::Anchor;
 
 /// Loads an OBJ mesh with its material libraries and their images.
 ///
@@ -86,6 +87,8 @@ struct Faces {
 #[derive(Debug, Default)]
 struct ObjFile {
     positions: Vec<Vec3>,
+    /// Where the positions are counted from.
+    anchor: Anchor,
     /// As long as `positions` or shorter: the rest is white.
     colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
@@ -116,12 +119,12 @@ impl ObjFile {
             b"v" => self.read_vertex(rest),
             b"vt" => {
                 let ([u, v, ..], _) = numbers(rest, 1..=3)?;
-                self.uvs.push(Vec2::new(u, v));
+                self.uvs.push(Vec2::new(u as f32, v as f32));
                 Ok(())
             }
             b"vn" => {
                 let ([x, y, z, ..], _) = numbers(rest, 3..=3)?;
-                self.normals.push(Vec3::new(x, y, z));
+                self.normals.push(DVec3::new(x, y, z).as_vec3());
                 Ok(())
             }
             b"f" => self.read_face(rest, number),
@@ -159,9 +162,9 @@ impl ObjFile {
         let (v, count) = numbers(rest, 3..=7)?;
         if count >= 6 {
             self.colors.resize(self.positions.len(), Vec3::ONE);
-            self.colors.push(Vec3::from_slice(&v[count - 3..]));
+            self.colors.push(DVec3::from_slice(&v[count - 3..]).as_vec3());
         }
-        self.positions.push(Vec3::from_slice(&v));
+        self.positions.push(self.anchor.relative(DVec3::from_slice(&v)));
         Ok(())
     }
 
@@ -227,11 +230,12 @@ impl ObjFile {
         let mut pool = ImagePool::default();
         let mut materials = self.load_libraries(path, &mut pool, loading)?;
         let plain = materials.len();
+        let origin = self.anchor.position();
         let objects = self.build_objects(path, &materials, loading.warnings)?;
         if plain > 0 && objects.iter().any(|object| object.material == plain) {
             materials.push(Material::default());
         }
-        Ok(MeshFile { objects, materials, images: pool.into_images(), ..MeshFile::default() })
+        Ok(MeshFile { origin, objects, materials, images: pool.into_images(), ..MeshFile::default() })
     }
 
     fn load_libraries(
@@ -451,7 +455,7 @@ fn quote(word: &[u8]) -> String {
 }
 
 /// Parses the numbers of a line, whose count is limited.
-fn numbers(rest: &[u8], allowed: std::ops::RangeInclusive<usize>) -> Result<([f32; 7], usize), String> {
+fn numbers(rest: &[u8], allowed: std::ops::RangeInclusive<usize>) -> Result<([f64; 7], usize), String> {
     let mut values = [0.0; 7];
     let mut count = 0;
     for word in words(rest).take(values.len()) {

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use translucid_scene::{Mesh, Place, SceneError, Triangle, Warning, repair_mesh};
 
 use crate::file::read_file;
+use crate::origin::{Anchor, in_file_coordinates};
 
 /// Bytes before the triangles of a binary file, the last four their number.
 const HEADER: usize = 84;
@@ -34,10 +35,21 @@ pub fn load_stl(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 /// # Errors
 /// As [`load_stl`].
 pub fn parse_stl(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+    read_stl(bytes, path, warnings).map(|(mesh, origin)| in_file_coordinates(mesh, origin))
+}
+
+/// As [`parse_stl`], with the point from which the positions are counted.
+pub(crate) fn read_stl(
+    bytes: &[u8],
+    path: &Path,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Mesh, DVec3), SceneError> {
     let corners = if is_ascii(bytes) { read_ascii(bytes, path) } else { read_binary(bytes, path) }?;
+    let mut anchor = Anchor::default();
+    let corners: Vec<Vec3> = corners.into_iter().map(|corner| anchor.relative(corner)).collect();
     let mut mesh = join(&corners);
     repair_mesh(&mut mesh, &Place::file(path), warnings)?;
-    Ok(with_creases(&mesh))
+    Ok((with_creases(&mesh), anchor.position()))
 }
 
 /// Distinguishes an ASCII file, which begins with "solid" and is text, from a binary one that may begin so, too.
@@ -51,7 +63,7 @@ fn triangle_count(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes(*count) as usize)
 }
 
-fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<Vec3>, SceneError> {
+fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>, SceneError> {
     let failure = |message: String| SceneError::at(Place::file(path), message);
     let Some(count) = triangle_count(bytes) else {
         let message =
@@ -64,12 +76,12 @@ fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<Vec3>, SceneError> {
         return Err(failure(format!("ends after {there} of the {count} triangles that its header states")));
     }
     let numbers = triangles.take(count).flat_map(|triangle| triangle[12..48].as_chunks().0);
-    let coordinates: Vec<f32> = numbers.map(|number| f32::from_le_bytes(*number)).collect();
-    Ok(coordinates.as_chunks().0.iter().copied().map(Vec3::from_array).collect())
+    let coordinates: Vec<f64> = numbers.map(|number| f32::from_le_bytes(*number).into()).collect();
+    Ok(coordinates.as_chunks().0.iter().copied().map(DVec3::from_array).collect())
 }
 
 /// Vertices of all solids, three for each facet.
-fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<Vec3>, SceneError> {
+fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>, SceneError> {
     let mut corners = Vec::new();
     let mut loop_begins = 0;
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -77,7 +89,7 @@ fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<Vec3>, SceneError> {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next().map(<[u8]>::to_ascii_lowercase).as_deref() {
             Some(b"vertex") => {
-                let mut vertex = Vec3::ZERO;
+                let mut vertex = DVec3::ZERO;
                 for axis in 0..3 {
                     let word =
                         words.next().ok_or_else(|| at(String::from("a vertex has three coordinates")))?;

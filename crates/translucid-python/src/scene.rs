@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -57,6 +57,9 @@ struct Read {
 ///     As by `set_camera`, `set_environment`, `set_film`, `set_integrator`.
 /// lights : list of dict, optional
 ///     Lights, each with the key ``type``.
+/// origin : array_like, shape (3,), optional
+///     A point near what the camera sees, for a scene far from zero: positions are counted from it, in double precision, before
+///     they become single.
 /// subsurface_grouping : {'object', 'material'}, optional
 ///     Which objects share light under their surfaces where they name no ``subsurface_group``.
 ///
@@ -89,7 +92,7 @@ pub(crate) struct Scene {
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (unit="mm", *, camera=None, environment=None, film=None, integrator=None, lights=None, subsurface_grouping=None))]
+    #[pyo3(signature = (unit="mm", *, camera=None, environment=None, film=None, integrator=None, lights=None, origin=None, subsurface_grouping=None))]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a scene file")]
     fn new(
         py: Python<'_>,
@@ -99,10 +102,12 @@ impl Scene {
         film: Option<&Bound<'_, PyDict>>,
         integrator: Option<&Bound<'_, PyDict>>,
         lights: Option<&Any<'_>>,
+        origin: Option<&Any<'_>>,
         subsurface_grouping: Option<&str>,
     ) -> PyResult<Self> {
         let unit = unit_of(unit)?;
-        let making = Making { builder: SceneBuilder::new(unit), image_count: 0, light_count: 0 };
+        let origin = origin.map(origin_of).transpose()?.unwrap_or_default();
+        let making = Making { builder: SceneBuilder::at(unit, origin), image_count: 0, light_count: 0 };
         let scene = Self::of(making);
         if let Some(grouping) = subsurface_grouping {
             let read = scene.read(py, "scene", Some(("subsurface_grouping", grouping)), None)?;
@@ -592,6 +597,16 @@ pub(crate) fn whole_number(name: &str, argument: &Any<'_>, min: u64, max: u64) -
     number.filter(|n| (min..=max).contains(n)).ok_or_else(|| {
         let shown = argument.str().map_or_else(|_| String::from("too large"), |text| text.to_string());
         PyValueError::new_err(format!("{name} is {shown}, {}", must_be()))
+    })
+}
+
+fn origin_of(array: &Any<'_>) -> PyResult<DVec3> {
+    let numbers = Numbers::extract("origin", array)?;
+    numbers.require(&Rule::new("origin", "finite and within ±1e9", -LARGEST_COORDINATE, LARGEST_COORDINATE))?;
+    let found: Vec<f64> = numbers.iter().collect();
+    let three: Result<[f64; 3], _> = found.try_into();
+    three.map(DVec3::from_array).map_err(|found| {
+        PyValueError::new_err(format!("origin has {} numbers, but must have three", found.len()))
     })
 }
 

@@ -11,11 +11,11 @@ use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyRange, PyRangeMethods};
 use translucid_image::{Denoiser, PixelRect};
-use translucid_load::SceneBuilder;
+use translucid_load::{Piece, SceneBuilder};
 use translucid_render::{
     Edit, FilmLayer, FilmSums, LiveFilm, PreparedScene, RunningSession, ShardNotes, ShardRun, View,
 };
-use translucid_scene::{Light, Material, Mesh, SceneError, repair_mesh};
+use translucid_scene::{Material, Mesh, SceneError, repair_mesh};
 
 use crate::arrays::Any;
 use crate::keys::{named_piece_of, piece_of, plain_piece_of};
@@ -603,8 +603,9 @@ impl Session {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let camera = plain_piece_of("camera", keys)?.camera().map_err(scene_error)?;
+        let piece = plain_piece_of("camera", keys)?;
         self.live.edit(py, |session| {
+            let camera = piece.in_scene_at(session.prepared().scene().origin).camera()?;
             session.set_view(session.view().with_camera(camera)?);
             Ok(())
         })
@@ -622,15 +623,20 @@ impl Session {
     /// SceneError
     ///     A key is unknown or missing, or a value not allowed.
     fn set_lights(&self, py: Python<'_>, lights: &Any<'_>) -> PyResult<()> {
-        let read = |(i, light): (usize, PyResult<Any<'_>>)| -> PyResult<Light> {
+        let read = |(i, light): (usize, PyResult<Any<'_>>)| {
             let light = light?;
             let keys = light.cast::<PyDict>().map_err(|_| {
                 PyTypeError::new_err(format!("lights must be dictionaries, but one is {light}"))
             })?;
-            plain_piece_of(&format!("light {i}"), Some(keys))?.light().map_err(scene_error)
+            plain_piece_of(&format!("light {i}"), Some(keys))
         };
-        let lights: Vec<Light> = lights.try_iter()?.enumerate().map(read).collect::<PyResult<_>>()?;
-        self.live.edit(py, |session| session.edit(Edit::Lights(lights)).map(drop))
+        let pieces: Vec<Piece> = lights.try_iter()?.enumerate().map(read).collect::<PyResult<_>>()?;
+        self.live.edit(py, |session| {
+            let origin = session.prepared().scene().origin;
+            let lights = pieces.into_iter().map(|piece| piece.in_scene_at(origin).light());
+            let lights = lights.collect::<Result<_, _>>()?;
+            session.edit(Edit::Lights(lights)).map(drop)
+        })
     }
 
     /// Takes another environment.

@@ -2,7 +2,7 @@
 
 use std::mem::discriminant;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::SceneError;
 use crate::description::{Counts, Entry, Fallback, FileList, Key, Rule, Slot, Table, Thing, field};
@@ -116,8 +116,13 @@ impl Light {
 
     /// The keys and values that [`read`](Self::read) makes the light of.
     pub fn write(&self) -> Vec<Entry> {
+        self.write_at(DVec3::ZERO)
+    }
+
+    /// As [`write`](Self::write), of a light in a scene of this [origin](crate::Scene::origin).
+    pub fn write_at(&self, origin: DVec3) -> Vec<Entry> {
         let kind = self.description();
-        [vec![Entry::new("type", kind.name)], kind.write(self)].concat()
+        [vec![Entry::new("type", kind.name)], kind.write_at(self, origin)].concat()
     }
 
     /// Checks every field of the light that messages know by this number.

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::interval::check_index;
@@ -38,6 +39,9 @@ use crate::{
 pub struct Scene {
     /// Length unit of every number below.
     pub unit: Unit,
+    /// The point of the world from which all positions below are counted \[L\]: single precision has digits for what is near
+    /// it. Zero in a scene that is not far from the world's own origin.
+    pub origin: DVec3,
     /// The camera.
     pub camera: Camera,
     /// Image size, filter, exposure, tone mapping.

@@ -148,6 +148,7 @@ impl Studio {
         let names = from.objects.iter().map(|object| Object { mesh: Arc::default(), ..object.clone() });
         Scene {
             unit: from.unit,
+            origin: from.origin,
             camera: self.setup.camera,
             film: self.setup.film,
             integrator: look.integrator,

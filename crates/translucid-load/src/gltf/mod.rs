@@ -40,6 +40,7 @@ use super::MeshFile;
 use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use crate::loading::Loading;
+use crate::origin::Anchor;
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
@@ -91,7 +92,9 @@ fn read(
     let buffers = Buffers::load(&document, container.binary, notes)?;
     let arrays = Arrays { document: &document, buffers: &buffers, notes };
     let units = 1000.0 / unit.in_millimeters();
-    let placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
+    let mut placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
+    let origin = anchor(&placed, &arrays);
+    placed.iter_mut().for_each(|node| node.world_from_local.translation -= origin);
     let mut assembly = Assembly {
         arrays: &arrays,
         units,
@@ -102,7 +105,7 @@ fn read(
         warnings: loading.warnings,
         unusable: None,
         next_group: 0,
-        scene: MeshFile::default(),
+        scene: MeshFile { origin, ..MeshFile::default() },
     };
     for (done, node) in placed.iter().enumerate() {
         loading.watch.tell(done, placed.len())?;
@@ -144,6 +147,20 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
         }
     }
     uses
+}
+
+/// A point near the first position of the first mesh.
+fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
+    let Arrays { document, notes, .. } = arrays;
+    let first = placed.iter().find_map(|placed| {
+        let node = document.nodes.get(placed.index, "", notes.path).ok()?;
+        let mesh = document.meshes.get(node.mesh?, "", notes.path).ok()?;
+        let accessor = *mesh.primitives.first()?.attributes.get("POSITION")?;
+        // What is wrong with it is told of when the mesh is read
+        let position = *arrays.numbers::<3>(accessor, "").ok()?.first()?;
+        Some(placed.world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
+    });
+    first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
 }
 
 /// A scene on its way.

@@ -5,7 +5,7 @@ mod values;
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use header::{Element, Format, Header, Kind};
 use translucid_scene::{Mesh, Place, SceneError, Warning, linear_from_srgb, repair_mesh};
 use values::{Ascii, Binary, Fault, Values};
@@ -13,6 +13,7 @@ use values::{Ascii, Binary, Fault, Values};
 use super::number::NumberType;
 use super::polygon::triangulate;
 use crate::file::read_file;
+use crate::origin::{Anchor, in_file_coordinates};
 
 /// Loads a PLY mesh.
 ///
@@ -36,9 +37,18 @@ pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 /// # Errors
 /// As [`load_ply`].
 pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+    read_ply(bytes, path, warnings).map(|(mesh, origin)| in_file_coordinates(mesh, origin))
+}
+
+/// As [`parse_ply`], with the point from which the positions are counted.
+pub(crate) fn read_ply(
+    bytes: &[u8],
+    path: &Path,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Mesh, DVec3), SceneError> {
     let header = Header::parse(bytes, path)?;
     let body = header.length;
-    let mut mesh = match header.format {
+    let (mut mesh, anchor) = match header.format {
         Format::Ascii => read_mesh(&header, Ascii::new(&bytes[body..], header.lines), path),
         Format::LittleEndian => read_mesh(&header, Binary::<false> { bytes, position: body }, path),
         Format::BigEndian => read_mesh(&header, Binary::<true> { bytes, position: body }, path),
@@ -47,10 +57,10 @@ pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
     if mesh.normals.is_empty() {
         mesh.normals = mesh.smooth_normals();
     }
-    Ok(mesh)
+    Ok((mesh, anchor.position()))
 }
 
-fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<Mesh, SceneError> {
+fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<(Mesh, Anchor), SceneError> {
     let absent = |message: &str| SceneError::at(Place::file(path), message);
     let has = |name: &str| header.elements.iter().any(|element| element.name == name);
     if !has("vertex") {
@@ -59,13 +69,15 @@ fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<Me
     if !has("face") {
         return Err(absent("has no element \"face\": a cloud of points cannot be rendered"));
     }
-    let mut mesh = Mesh::default();
+    let (mut mesh, mut anchor) = (Mesh::default(), Anchor::default());
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
         match element.name.as_str() {
             "vertex" if mesh.positions.is_empty() => {
                 let columns = Columns::of(element).map_err(|message| absent(&message))?;
                 columns.reserve(element.count, &mut mesh);
-                read_rows(&mut values, element, path, |values| columns.read_vertex(values, &mut mesh))?;
+                read_rows(&mut values, element, path, |values| {
+                    columns.read_vertex(values, &mut mesh, &mut anchor)
+                })?;
             }
             "face" if mesh.triangles.is_empty() => {
                 let list = index_list(element).map_err(|message| absent(&message))?;
@@ -80,7 +92,7 @@ fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<Me
             })?,
         }
     }
-    Ok(mesh)
+    Ok((mesh, anchor))
 }
 
 /// Reads all rows of an element, and says in which one a fault was.
@@ -173,12 +185,21 @@ impl Columns {
         mesh.colors.reserve_exact(if self.has_color { count } else { 0 });
     }
 
-    fn read_vertex(&self, values: &mut impl Values, mesh: &mut Mesh) -> Result<(), Fault> {
+    fn read_vertex(
+        &self,
+        values: &mut impl Values,
+        mesh: &mut Mesh,
+        anchor: &mut Anchor,
+    ) -> Result<(), Fault> {
+        let mut position = DVec3::ZERO;
         let mut row = [0.0_f32; NAMES.len()];
         for column in &self.columns {
             match (column.kind, column.target) {
                 (Kind::Scalar(scalar), Some(target)) => {
                     let value = values.value(scalar)?;
+                    if target < NORMAL {
+                        position[target] = value;
+                    }
                     row[target] = match self.color_scale {
                         Some(scale) if target >= COLOR => {
                             linear_from_srgb((value / scale).clamp(0.0, 1.0) as f32)
@@ -189,7 +210,7 @@ impl Columns {
                 (kind, _) => skip(values, kind)?,
             }
         }
-        mesh.positions.push(Vec3::from_slice(&row[POSITION..]));
+        mesh.positions.push(anchor.relative(position));
         if self.has_normal {
             mesh.normals.push(Vec3::from_slice(&row[NORMAL..]));
         }

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, DVec3};
 use rayon::prelude::*;
 use translucid_scene::description::FileRequest;
 use translucid_scene::{
@@ -13,6 +13,7 @@ use translucid_scene::{
 };
 use translucid_shapes::build_shape;
 
+use super::extend::Base;
 use super::files::KnownFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
@@ -23,6 +24,8 @@ use crate::loading::Loading;
 use crate::mesh_file::{MeshFile, scale_lengths};
 use crate::model::{is_gltf, load_model};
 use crate::options::LoadOptions;
+use crate::orientation::bounds;
+use crate::origin::{origin_near, place_of_file};
 use crate::profile_table::read_profile_table;
 use crate::shared_mesh::SharedMesh;
 use crate::stage::Stage;
@@ -60,6 +63,16 @@ impl SceneFile {
         let replacement = |index: usize| overrides.get(&index).copied();
         for (index, entry) in self.objects.iter().enumerate() {
             builder.expect(entry, replacement(index));
+        }
+        if builder.camera.is_none() && builder.scene.origin == DVec3::ZERO {
+            let known = loading.warnings.len();
+            let origin = builder.origin_of_files(&self.objects, replacement, loading)?;
+            if origin != DVec3::ZERO {
+                loading.warnings.truncate(known);
+                let source = self.source.in_scene_at(origin);
+                let file = Self::of(source, self.entries, Base::Unknown, Some(loading))?;
+                return file.assemble(overrides, options, loading);
+            }
         }
         for (chunk, entries) in self.objects.chunks(SHAPES_AT_ONCE).enumerate() {
             let of_one_use = |entry: &ObjectEntry| {
@@ -153,7 +166,7 @@ impl ReadyMesh {
     /// The shape of an entry with one place; none if it has a file.
     fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
         let mesh = raw_shape(entry)?;
-        Some(mesh.and_then(|mesh| Self::new(entry, &entry.places[0], mesh)))
+        Some(mesh.and_then(|mesh| Self::new(entry, &entry.places[0].as_affine3a(), mesh)))
     }
 
     /// A mesh in a place, shared if it can be there.
@@ -363,7 +376,7 @@ impl SceneBuilder {
     ) -> Result<(), SceneError> {
         // One after the other: what has to be baked may be too much
         entry.places.iter().enumerate().try_for_each(|(number, place)| {
-            let mesh = ReadyMesh::of_shared(entry, place, shared)?;
+            let mesh = ReadyMesh::of_shared(entry, &place.as_affine3a(), shared)?;
             self.add_ready(entry, number, mesh, warnings)
         })
     }
@@ -377,9 +390,9 @@ impl SceneBuilder {
     ) -> Result<(), SceneError> {
         match &entry.places[..] {
             [place] if entry.is_movable => {
-                self.add_ready(entry, 0, ReadyMesh::movable(entry, place, mesh)?, warnings)
+                self.add_ready(entry, 0, ReadyMesh::movable(entry, &place.as_affine3a(), mesh)?, warnings)
             }
-            [place] => self.add_ready(entry, 0, ReadyMesh::new(entry, place, mesh)?, warnings),
+            [place] => self.add_ready(entry, 0, ReadyMesh::new(entry, &place.as_affine3a(), mesh)?, warnings),
             places => {
                 let shared = SharedMesh::new(mesh.into(), places.len(), &entry.place, warnings)?;
                 self.add_shared(entry, &shared, warnings)
@@ -426,18 +439,10 @@ impl SceneBuilder {
             error.with_help(format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name))
         })?;
         let uses = self.uses(entry, replacement);
+        // Taken out while its parts are added, and put back for the next object with the same file.
+        let mut loaded = self.loaded(path, *unit, loading)?;
         let unit = self.unit(path, *unit);
         let source = Source::File(path.to_owned(), unit.name());
-        // Taken out while its parts are added, and put back for the next object with the same file.
-        let mut loaded = match self.models.remove(&source) {
-            Some(loaded) => loaded,
-            None => {
-                let mut own = Loading::new(loading.watch, loading.warnings);
-                let model = self.load(path, unit, &mut own)?;
-                let files = own.into_files();
-                LoadedMeshFile { model, files, first_material: None, shared: HashMap::new() }
-            }
-        };
         loading.add_files(loaded.files.iter().cloned());
         *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
         let first_material = self.first_material(entry, &mut loaded);
@@ -446,6 +451,7 @@ impl SceneBuilder {
             *uses_of_mesh.entry(Arc::as_ptr(&part.mesh).addr()).or_insert(0) += uses;
         }
         for (number, place) in entry.places.iter().enumerate() {
+            let place = place_of_file(place, loaded.model.origin).as_affine3a();
             self.entries += 1;
             for part in &loaded.model.objects {
                 let material = entry.material.unwrap_or_else(|| match first_material {
@@ -456,7 +462,7 @@ impl SceneBuilder {
                 let name =
                     if loaded.model.objects.len() == 1 { name } else { format!("{name}/{}", part.name) };
                 let address = Arc::as_ptr(&part.mesh).addr();
-                let place = if part.is_placed() { *place * part.world_from_local } else { *place };
+                let place = if part.is_placed() { place * part.world_from_local } else { place };
                 let mesh = if part.mesh.is_worth_sharing(uses_of_mesh[&address]) {
                     let shared = match loaded.shared.entry(address) {
                         Entry::Occupied(known) => known.into_mut(),
@@ -477,7 +483,7 @@ impl SceneBuilder {
                 self.add_mesh(entry, mesh, (name, material, part.subsurface_group), loading.warnings)?;
             }
             let lights = loaded.model.lights.iter();
-            self.scene.lights.extend(lights.filter_map(|light| transformed_light(light, place)));
+            self.scene.lights.extend(lights.filter_map(|light| transformed_light(light, &place)));
             if self.scene.lights.len() > MOST_LIGHTS {
                 let message = format!("the scene has more than {MOST_LIGHTS} lights up to here");
                 return Err(SceneError::at(entry.place.clone(), message));
@@ -488,6 +494,34 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// The origin for the first of the files whose objects are far from the scene's; zero where none is.
+    fn origin_of_files<'a>(
+        &mut self,
+        entries: &'a [ObjectEntry],
+        replacement: impl Fn(usize) -> Option<&'a Path>,
+        loading: &mut Loading<'_>,
+    ) -> Result<DVec3, SceneError> {
+        for (index, entry) in entries.iter().enumerate() {
+            let GeometryOrigin::File { path, unit } = &entry.geometry else { continue };
+            let path = replacement(index).unwrap_or(path);
+            if path.is_file() {
+                let loaded = self.loaded(path, *unit, loading)?;
+                let model = &loaded.model;
+                let place = place_of_file(&entry.places[0], model.origin);
+                let (low, high) = bounds(&model.objects);
+                let scale = libm::cbrt(place.matrix3.determinant().abs());
+                let size = 0.5 * f64::from((high - low).max_element()) * scale;
+                let origin = origin_near(place.translation, size);
+                let unit = self.unit(path, *unit).name();
+                self.models.insert(Source::File(path.to_owned(), unit), loaded);
+                if origin != DVec3::ZERO {
+                    return Ok(origin);
+                }
+            }
+        }
+        Ok(DVec3::ZERO)
+    }
+
     /// Warns of a file whose objects, the last of the scene, are of a size that no one means.
     fn warn_of_extent(&self, entry: &ObjectEntry, unit: Unit, count: usize, warnings: &mut Vec<Warning>) {
         let Scene { objects, materials, unit: of_scene, .. } = &self.scene;
@@ -496,10 +530,22 @@ impl SceneBuilder {
         warn_of_extent((new, materials), [*of_scene, unit], advice, &entry.place, warnings);
     }
 
-    fn load(&self, path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
-        let mut model = load_model(path, loading)?;
+    /// A mesh file, taken out of those that are known.
+    fn loaded(
+        &mut self,
+        path: &Path,
+        stated: Option<Unit>,
+        loading: &mut Loading<'_>,
+    ) -> Result<LoadedMeshFile, SceneError> {
+        let unit = self.unit(path, stated);
+        if let Some(loaded) = self.models.remove(&Source::File(path.to_owned(), unit.name())) {
+            return Ok(loaded);
+        }
+        let mut own = Loading::new(loading.watch, loading.warnings);
+        let mut model = load_model(path, &mut own)?;
         scale_lengths(&mut model, (unit.in_millimeters() / self.scene.unit.in_millimeters()) as f32);
-        Ok(model)
+        let files = own.into_files();
+        Ok(LoadedMeshFile { model, files, first_material: None, shared: HashMap::new() })
     }
 
     /// Brings the file's own materials and images into the scene when they are first used.

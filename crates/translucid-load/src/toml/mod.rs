@@ -6,6 +6,7 @@ mod extend;
 mod files;
 mod material;
 mod object;
+mod origin;
 mod parse;
 mod piece;
 #[cfg(test)]
@@ -18,6 +19,7 @@ use std::sync::Arc;
 
 use extend::{Base, Extends};
 use files::{Documents, NamedFiles};
+use glam::DVec3;
 use object::{GeometryOrigin, ObjectEntry};
 use parse::parse;
 use translucid_scene::description::{Entry, FileRequest, Item, Provenance, Table, Word};
@@ -127,12 +129,20 @@ impl SceneFile {
     ) -> Result<Self, SceneError> {
         let root = Table::root(&source, &entries);
         let is_extending = root.get("extends").is_some();
-        let root = root.allow(if is_extending { extend::KEYS } else { KEYS })?;
+        let origin = match &base {
+            Base::Known(scene) => scene.origin,
+            Base::Unknown if is_extending || root.origin() != DVec3::ZERO => root.origin(),
+            Base::Unknown => origin::of_scene_file(&root),
+        };
+        let source = source.in_scene_at(origin);
+        let root = Table::root(&source, &entries).allow(if is_extending { extend::KEYS } else { KEYS })?;
         let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
         let (mut scene, is_known) = match base {
             Base::Known(scene) => (*scene, true),
             Base::Unknown if is_extending => (extend::any_base(), false),
-            Base::Unknown => (Scene { unit: root.require("unit")?.word()?, ..Scene::default() }, true),
+            Base::Unknown => {
+                (Scene { unit: root.require("unit")?.word()?, origin, ..Scene::default() }, true)
+            }
         };
         let mut files = NamedFiles::after(&scene);
         files.documents = if loading.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, EulerRot, Mat3, Quat, Vec3};
 use translucid_profile::nearest;
 use translucid_scene::description::{Content, Item, Key, Table};
 use translucid_scene::{Interval, Material, Object, Place, Scene, SceneError, Unit, WholeInterval};
@@ -34,8 +34,8 @@ pub(super) struct ObjectEntry {
     pub(super) geometry: GeometryOrigin,
     /// Where the file or shape is named.
     pub(super) place: Place,
-    /// Its places, at least one; those of `transforms` have a number in the names of what stands there.
-    pub(super) places: Vec<Affine3A>,
+    /// Its places, counted from the scene's origin, at least one; those of `transforms` have a number in the names of what stands there.
+    pub(super) places: Vec<DAffine3>,
     pub(super) is_numbered: bool,
     /// Index of the material; the file's own where `None`.
     pub(super) material: Option<usize>,
@@ -87,10 +87,11 @@ fn read_entry(
     let world_from_object = read_transform(table)?;
     let transforms = table.get("transforms").map(|item| read_transforms(table, &item)).transpose()?;
     let is_numbered = transforms.is_some();
-    let places = match transforms {
+    let mut places: Vec<DAffine3> = match transforms {
         Some(transforms) => transforms.into_iter().map(|place| place * world_from_object).collect(),
         None => vec![world_from_object],
     };
+    places.iter_mut().for_each(|place| place.translation -= table.origin());
     Ok(ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
@@ -115,7 +116,8 @@ pub(super) fn read_change(
     let is_placed = names(Object::PLACE_KEYS).any(|key| table.get(key).is_some());
     let place = is_placed.then(|| read_transform(table)).transpose()?;
     let material = table.get("material").map(|item| read_material_name(&item, materials)).transpose()?;
-    Ok((place, material))
+    let from_origin = |place: DAffine3| DAffine3 { translation: place.translation - table.origin(), ..place };
+    Ok((place.map(|place| from_origin(place).as_affine3a()), material))
 }
 
 /// Keys of a change of an object.
@@ -187,7 +189,7 @@ pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Res
 }
 
 /// `matrix`, or scale, then rotation about x, y, z, then translation.
-fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
+pub(super) fn read_transform(table: &Table<'_>) -> Result<DAffine3, SceneError> {
     if let Some(matrix) = table.get("matrix") {
         if let Some(other) = ["translate", "rotate", "scale"].into_iter().find_map(|key| table.get(key)) {
             let message =
@@ -196,17 +198,18 @@ fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
         }
         return read_matrix(&matrix);
     }
-    let translation = table.read("translate", Vec3::ZERO, |item| item.vec3(Interval::COORDINATE))?;
+    let translation = table.read("translate", DVec3::ZERO, |item| item.double3(Interval::COORDINATE))?;
     let angles = table.read("rotate", Vec3::ZERO, |item| item.vec3(Interval::ANGLE))?;
     let scale = table.read("scale", Vec3::ONE, read_scale)?;
     let [x, y, z] = angles.to_array().map(f32::to_radians);
     // Rz Ry Rx: extrinsic rotations about the fixed axes x, then y, then z.
     let rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
-    Ok(Affine3A::from_scale_rotation_translation(scale, rotation, translation))
+    let linear = Affine3A::from_scale_rotation_translation(scale, rotation, Vec3::ZERO).matrix3;
+    Ok(DAffine3 { matrix3: Mat3::from(linear).as_dmat3(), translation })
 }
 
 /// Places, each by the keys of an object's own.
-fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<Affine3A>, SceneError> {
+fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<DAffine3>, SceneError> {
     let tables = match item.content() {
         Content::List(array) if array.is_empty() => {
             return Err(item.error(format!("{} is empty, but must have at least one table", item.path())));
@@ -230,7 +233,12 @@ fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
 }
 
 /// Sixteen numbers row by row, the last row 0 0 0 1.
-fn read_matrix(item: &Item<'_>) -> Result<Affine3A, SceneError> {
+fn read_matrix(item: &Item<'_>) -> Result<DAffine3, SceneError> {
+    let numbers = item.array::<16>("numbers")?;
+    let mut translation = DVec3::ZERO;
+    for axis in 0..3 {
+        translation[axis] = numbers[4 * axis + 3].double(Interval::COORDINATE)?;
+    }
     let m: [f32; 16] = item.numbers(Interval::COORDINATE)?;
     if m[12..] != [0.0, 0.0, 0.0, 1.0] {
         return Err(item.refuse("four rows of four numbers whose last row is 0, 0, 0, 1"));
@@ -239,5 +247,5 @@ fn read_matrix(item: &Item<'_>) -> Result<Affine3A, SceneError> {
     if linear.as_dmat3().determinant() == 0.0 {
         return Err(item.refuse("invertible: its determinant is 0"));
     }
-    Ok(Affine3A::from_mat3_translation(linear, Vec3::new(m[3], m[7], m[11])))
+    Ok(DAffine3 { matrix3: linear.as_dmat3(), translation })
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, DVec3};
 use translucid_scene::description::{Content, Entry, FileRequest, Provenance, Table, Value};
 use translucid_scene::{
     Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
@@ -29,12 +29,15 @@ pub struct Piece {
     pub title: String,
     /// Its keys and values.
     pub entries: Vec<Entry>,
+    /// [Origin](Scene::origin) of the scene that cameras and lights are read for; things that are added to a scene go by that
+    /// scene's own.
+    pub origin: DVec3,
 }
 
 impl Piece {
     /// A thing of these keys and values.
     pub fn new(title: &str, entries: Vec<Entry>) -> Self {
-        Self { title: title.to_owned(), entries }
+        Self { title: title.to_owned(), entries, origin: DVec3::ZERO }
     }
 
     /// A thing of lines `key = value` of a scene file.
@@ -61,13 +64,28 @@ impl Piece {
         self.entries.iter().any(|entry| is_in(&entry.value))
     }
 
+    /// The thing in a scene of this origin.
+    #[must_use]
+    pub fn in_scene_at(self, origin: DVec3) -> Self {
+        Self { origin, ..self }
+    }
+
     fn place(&self) -> Place {
         Place::part(Path::new(""), &self.title)
     }
 
     /// The value that `read` makes of the table.
     fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
-        read(Table::root(&Provenance::part(&self.title), &self.entries))
+        self.read_at(self.origin, read)
+    }
+
+    /// As `read`, in a scene of this origin.
+    fn read_at<T>(
+        &self,
+        origin: DVec3,
+        read: impl FnOnce(Table<'_>) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        read(Table::root(&Provenance::part(&self.title).in_scene_at(origin), &self.entries))
     }
 
     /// The camera of `[camera]`.
@@ -92,7 +110,9 @@ impl Piece {
     /// # Errors
     /// A key is unknown, or a value not allowed.
     pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
-        self.read(|table| object::read_change(&table.allow(&object::change_keys())?, &scene.materials))
+        self.read_at(scene.origin, |table| {
+            object::read_change(&table.allow(&object::change_keys())?, &scene.materials)
+        })
     }
 
     /// A film with the changes of a `[film]`.
@@ -228,7 +248,12 @@ fn load_or_take(
 impl SceneBuilder {
     /// A scene in a unit of length without anything in it.
     pub fn new(unit: Unit) -> Self {
-        Self::of(Scene { unit, ..Scene::default() })
+        Self::at(unit, DVec3::ZERO)
+    }
+
+    /// A scene without anything in it, whose [origin](Scene::origin) is near what will be seen.
+    pub fn at(unit: Unit, origin: DVec3) -> Self {
+        Self::of(Scene { unit, origin, ..Scene::default() })
     }
 
     /// The scene so far, without the things that are chosen at the end.
@@ -280,7 +305,8 @@ impl SceneBuilder {
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let materials = &self.scene.materials;
-        let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
+        let origin = self.scene.origin;
+        let entry = piece.read_at(origin, |table| Ok(object::read_object(table, Some(materials))?.0))?;
         let entry = self.named(piece, entry)?;
         match entry.geometry {
             GeometryOrigin::Shape { .. } => self.add_shape(&entry, warnings),
@@ -306,7 +332,8 @@ impl SceneBuilder {
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         let materials = &self.scene.materials;
-        let entry = piece.read(|table| object::read_mesh_object(table, piece.place(), materials))?;
+        let read = |table: Table<'_>| object::read_mesh_object(table, piece.place(), materials);
+        let entry = piece.read_at(self.scene.origin, read)?;
         let entry = self.named(piece, entry)?;
         self.add_given(&entry, mesh, warnings)
     }
@@ -341,7 +368,7 @@ impl SceneBuilder {
     /// # Errors
     /// As [`Piece::light`].
     pub fn add_light(&mut self, piece: &Piece) -> Result<(), SceneError> {
-        self.scene.lights.push(piece.light()?);
+        self.scene.lights.push(piece.read_at(self.scene.origin, Light::read)?);
         Ok(())
     }
 
@@ -365,7 +392,8 @@ impl SceneBuilder {
     /// # Errors
     /// As [`Piece::camera`].
     pub fn set_camera(&mut self, piece: &Piece) -> Result<(), SceneError> {
-        self.camera = Some(piece.camera()?);
+        let read = |table: Table<'_>| Camera::DESCRIPTION.of_table(table);
+        self.camera = Some(piece.read_at(self.scene.origin, read)?);
         Ok(())
     }
 

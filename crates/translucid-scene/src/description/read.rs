@@ -131,7 +131,7 @@ impl Slot<'_> {
                 *x = item.number(range)?;
             }
             Self::Pair(pair, range) => *pair = item.vec2(range)?,
-            Self::Point(point) => *point = item.vec3(Interval::PLACE)?,
+            Self::Point(point) => *point = item.point()?,
             Self::Vector(vector) => *vector = item.vec3(Interval::DIRECTION)?,
             Self::Radiance(color) | Self::Power(color) => *color = item.color(Interval::LIGHT)?,
             Self::Scalar(input, range) => *input = read_scalar(item, *input, range, files)?,
@@ -178,7 +178,7 @@ fn read_aim(table: &Table<'_>, from: Option<Vec3>) -> Result<DVec3, SceneError> 
     match (table.get("direction"), table.get("target")) {
         (Some(direction), None) => read_unit_vector(&direction),
         (None, Some(target)) => {
-            let to = target.vec3(Interval::PLACE)?.as_dvec3() - from.as_dvec3();
+            let to = target.point()?.as_dvec3() - from.as_dvec3();
             to.try_normalize().ok_or_else(|| target.refuse("a point other than the light's own"))
         }
         (Some(direction), Some(_)) => {

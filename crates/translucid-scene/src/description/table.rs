@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use translucid_profile::nearest;
 
 use super::color::hexadecimal_color;
@@ -20,17 +20,26 @@ pub struct Provenance {
     text: Arc<str>,
     /// The part of a scene that the values are about, where they are in no file.
     part: Option<String>,
+    /// The origin of the scene, from which the points that are read are counted.
+    origin: DVec3,
 }
 
 impl Provenance {
     /// A file with its text.
     pub fn file(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: Arc::from(text), part: None }
+        Self { path: path.to_owned(), text: Arc::from(text), part: None, origin: DVec3::ZERO }
     }
 
     /// Values that are in no file: errors name the part of the scene that they are about.
     pub fn part(part: &str) -> Self {
-        Self { path: PathBuf::new(), text: Arc::from(""), part: Some(part.to_owned()) }
+        let (path, text) = (PathBuf::new(), Arc::from(""));
+        Self { path, text, part: Some(part.to_owned()), origin: DVec3::ZERO }
+    }
+
+    /// The same values in a scene of this [origin](crate::Scene::origin).
+    #[must_use]
+    pub fn in_scene_at(self, origin: DVec3) -> Self {
+        Self { origin, ..self }
     }
 
     /// The file; empty where there is none.
@@ -98,6 +107,11 @@ impl<'a> Table<'a> {
             None => all,
         };
         self.source.error(entry.span.clone(), message).with_help(help)
+    }
+
+    /// Origin of the scene that the table is part of.
+    pub fn origin(&self) -> DVec3 {
+        self.source.origin
     }
 
     /// Dotted path of the table.
@@ -335,6 +349,20 @@ impl<'a> Item<'a> {
     /// Three numbers.
     pub fn vec3(&self, range: Interval) -> Result<Vec3, SceneError> {
         self.numbers(range).map(Vec3::from_array)
+    }
+
+    /// Three numbers in double precision.
+    pub fn double3(&self, range: Interval) -> Result<DVec3, SceneError> {
+        let mut numbers = [0.0; 3];
+        for (number, item) in numbers.iter_mut().zip(self.array::<3>("numbers")?) {
+            *number = item.double(range)?;
+        }
+        Ok(DVec3::from_array(numbers))
+    }
+
+    /// A point, counted from the origin of the scene.
+    pub fn point(&self) -> Result<Vec3, SceneError> {
+        self.double3(Interval::PLACE).map(|point| (point - self.source.origin).as_vec3())
     }
 
     /// A color: a number, three numbers, or `"#rrggbb"`.

@@ -104,7 +104,7 @@ impl Value {
 }
 
 /// The double of the fewest digits that reads back to a number in single precision.
-fn digits(x: f32) -> f64 {
+pub(super) fn digits(x: f32) -> f64 {
     match format!("{x:?}").parse::<f64>() {
         Ok(read) if (read as f32).to_bits() == x.to_bits() => read,
         _ => f64::from(x),

@@ -1,16 +1,28 @@
 //! Writing a thing's fields as the keys and values of a table.
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 use super::field::{Field, Key, Slot, Thing};
-use super::value::{Entry, Value};
+use super::value::{Entry, Value, digits};
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceModel};
 
 impl<T: Clone> Thing<T> {
     /// Every key with its value, from which the thing is read again, but for its images.
     pub fn write(&self, thing: &T) -> Vec<Entry> {
+        self.write_at(thing, DVec3::ZERO)
+    }
+
+    /// As [`write`](Self::write), of a thing in a scene of this [origin](crate::Scene::origin).
+    pub fn write_at(&self, thing: &T, origin: DVec3) -> Vec<Entry> {
         let mut copy = thing.clone();
-        self.fields.iter().flat_map(|field| (field.slot)(&mut copy).write(field.keys)).collect()
+        let entries = |field: &Field<T>| match (field.slot)(&mut copy) {
+            Slot::Point(point) if origin != DVec3::ZERO => {
+                let from_world = [0, 1, 2].map(|axis| digits(point[axis]) + origin[axis]);
+                vec![Entry::new(field.key(), Value::list(&from_world))]
+            }
+            slot => slot.write(field.keys),
+        };
+        self.fields.iter().flat_map(entries).collect()
     }
 
     /// The value of a key, as messages have it.

@@ -4,6 +4,7 @@ mod broken;
 mod documents;
 mod examples;
 mod extending;
+mod far;
 mod mutation;
 mod transforms;
 mod valid;

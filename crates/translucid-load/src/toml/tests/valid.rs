@@ -1,6 +1,6 @@
 //! Valid scene files: every feature, and the defaults of what is left out.
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 use translucid_profile::convention::preset;
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator,
@@ -283,19 +283,19 @@ fn object_transform_scales_then_turns_then_moves() {
     let text = "unit = \"mm\"\n[[object]]\nshape = \"box\"\nscale = [2, 1, 1]\nrotate = [0, 0, 90]\ntranslate = [0, 0, 5]\n";
     let map = parse(text).unwrap().objects[0].places[0];
     // x doubles, then turns to y, then moves along z.
-    assert!(map.transform_point3(Vec3::X).distance(Vec3::new(0.0, 2.0, 5.0)) < 1e-6);
+    assert!(map.transform_point3(DVec3::X).distance(DVec3::new(0.0, 2.0, 5.0)) < 1e-6);
     // About x first, then about z: y goes to z and stays; z goes to −y and then to x.
     let text = "unit = \"mm\"\n[[object]]\nshape = \"box\"\nrotate = [90, 0, 90]\n";
     let map = parse(text).unwrap().objects[0].places[0];
-    assert!(map.transform_point3(Vec3::Y).distance(Vec3::Z) < 1e-6);
-    assert!(map.transform_point3(Vec3::Z).distance(Vec3::X) < 1e-6);
+    assert!(map.transform_point3(DVec3::Y).distance(DVec3::Z) < 1e-6);
+    assert!(map.transform_point3(DVec3::Z).distance(DVec3::X) < 1e-6);
 }
 
 #[test]
 fn object_matrix_is_written_row_by_row() {
     let text = "unit = \"mm\"\n[[object]]\nshape = \"box\"\nmatrix = [1, 2, 0, 10,  0, 1, 0, 20,  0, 0, -1, 30,  0, 0, 0, 1]\n";
     let map = parse(text).unwrap().objects[0].places[0];
-    assert_eq!(map.transform_point3(Vec3::new(1.0, 1.0, 1.0)), Vec3::new(13.0, 21.0, 29.0));
+    assert_eq!(map.transform_point3(DVec3::new(1.0, 1.0, 1.0)), DVec3::new(13.0, 21.0, 29.0));
 }
 
 #[test]

@@ -150,7 +150,9 @@ fn a_chain_of_a_hundred_thousand_nodes_is_read() {
         (1..LENGTH).map(|child| json!({ "children": [child], "translation": [0.5, 0, 0] })).collect();
     nodes.push(json!({ "mesh": 0 }));
     file.json["nodes"] = json!(nodes);
-    assert_eq!(file.load().mesh().positions[0], 0.5 * (LENGTH - 1) as f32 * Vec3::X);
+    let loaded = file.load();
+    let position = loaded.scene.origin.as_vec3() + loaded.mesh().positions[0];
+    assert_eq!(position, 0.5 * (LENGTH - 1) as f32 * Vec3::X);
 }
 
 fn with_light(light: Value) -> File {

@@ -100,7 +100,7 @@ fn mend_lengths(bytes: &mut [u8], json_growth: isize) {
 
 /// The file as a scene of its own.
 fn scene_of(file: MeshFile) -> Scene {
-    let MeshFile { objects, mut materials, images, lights, cameras } = file;
+    let MeshFile { origin: _, objects, mut materials, images, lights, cameras } = file;
     if materials.is_empty() {
         materials.push(Material::default());
     }
