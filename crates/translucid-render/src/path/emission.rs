@@ -30,7 +30,7 @@ pub(super) fn add_emission(
 pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f32) -> bool {
     let ray = &path.ray;
     let lights = &world.lights;
-    let light = if path.depth == 0 {
+    let light = if path.is_of_camera() {
         lights.intersect_visible(ray.origin, ray.direction, t_max)
     } else {
         lights.intersect(ray.origin, ray.direction, t_max)
@@ -38,7 +38,7 @@ pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f
     let Some(light) = light else { return false };
     let weight = path.origin.weight(|point, normal| light.pdf(lights, point, normal));
     let absorbed = absorbed(path.absorption, light.t);
-    if path.depth == 0 {
+    if path.is_of_camera() {
         path.sample.alpha = 1.0;
     }
     path.add(light.radiance * absorbed * weight);
@@ -48,17 +48,17 @@ pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f
 /// Adds the environment behind everything.
 pub(super) fn add_environment(world: &World, path: &mut PathState) {
     let lights = &world.lights;
-    if path.depth == 0 && !lights.environment_visible() {
+    if path.is_of_camera() && !lights.environment_visible() {
         return;
     }
     let direction = path.ray.direction;
-    let radiance = if path.depth == 0 {
+    let radiance = if path.is_of_camera() {
         lights.background_radiance(direction)
     } else {
         lights.environment_radiance(direction)
     };
     let weight = path.origin.weight(|point, normal| lights.environment_pdf(point, normal, direction));
-    if path.depth == 0 {
+    if path.is_of_camera() {
         path.sample.alpha = 1.0;
     }
     path.add(radiance * weight);

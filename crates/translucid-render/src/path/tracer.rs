@@ -309,7 +309,8 @@ fn meeting(
         return Meeting::Passing;
     }
     match material.camera_visibility {
-        CameraVisibility::None if path.depth == 0 => Meeting::Passing,
+        CameraVisibility::None if path.is_of_camera() => Meeting::Passing,
+        // Also behind a body, which covers as much as it keeps
         CameraVisibility::Shadow if path.depth == 0 => Meeting::Shadow,
         _ => Meeting::Surface,
     }
@@ -350,6 +351,7 @@ fn pass_clear(
 
 /// Keeps the first surface that the camera sees.
 fn see_first(path: &mut PathState, vertex: &Vertex<'_>, albedo: Vec3) {
+    path.has_met = true;
     path.sample.alpha = 1.0;
     path.sample.albedo = albedo;
     path.sample.normal = vertex.normal;

@@ -24,6 +24,6 @@ impl Hit {
 }
 
 /// Distance \[L\] that clears rounding errors of points with such a largest coordinate.
-pub(super) fn offset_at(largest: f32) -> f32 {
+pub(crate) fn offset_at(largest: f32) -> f32 {
     largest * 16.0 * f32::EPSILON
 }

@@ -18,5 +18,6 @@ pub(crate) use facets::{Crossing, LightOrigin};
 pub use geometry::Geometry;
 pub(crate) use geometry::SurfacePoint;
 pub use hit::Hit;
+pub(crate) use hit::offset_at;
 pub use triangle::Ray;
 pub(crate) use wide_tree::AT_ONCE as TRIANGLES_AT_ONCE;

@@ -1,6 +1,7 @@
 //! Scenes made ready, views of them, and the loop that renders them into films.
 
 mod cryptomatte;
+mod enclosed;
 mod exact_sums;
 mod film;
 mod fingerprint;

@@ -9,6 +9,7 @@ use translucid_scene::{
     Environment, Image, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
 };
 
+use super::enclosed;
 use super::fingerprint::{Fingerprint, fingerprint};
 use super::picker::Picker;
 use super::pixel_widths::pixel_widths;
@@ -111,7 +112,14 @@ impl PreparedScene {
 
     /// Everything that is not rendered as the scene asks for.
     pub fn notes(&self) -> Vec<Note> {
-        self.recipes.notes(&self.world.scene).chain(self.transports.note()).collect()
+        let scene = &self.world.scene;
+        let on_places = self.transports.notes_on_places(scene);
+        self.recipes
+            .notes(scene)
+            .chain(self.transports.note())
+            .chain(on_places)
+            .chain(enclosed::notes(&self.world))
+            .collect()
     }
 
     /// Fingerprint of everything that the picture of a view depends on: two runs with the same one may be joined.

@@ -21,6 +21,10 @@ pub enum NoteKind {
     NoProfile,
     /// Profiles are not normalized by the shape.
     NoNormalization,
+    /// Light leaves too near where it enters for the rounding errors of positions so far from the scene's origin.
+    Unresolved,
+    /// A lamp or the camera is inside a translucent body.
+    Enclosed,
 }
 
 /// Kind and words of a note on a material.

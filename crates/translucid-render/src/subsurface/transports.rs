@@ -12,6 +12,7 @@ use super::transport::points::{
     CloudGroup, GatherPoint, GatherScratch, Gatherer, PixelWidths, PointCloud, serve,
 };
 use super::transport::{SubsurfaceTransport, Tracer};
+use crate::ray::offset_at;
 use crate::sampling::Sampler;
 use crate::world::{Media, PathState, World};
 
@@ -58,6 +59,38 @@ impl Transports {
     /// The transport of a material.
     pub(crate) fn of(&self, material: usize) -> &SubsurfaceTransport {
         &self.of_materials[material]
+    }
+
+    /// Notes for the user on the materials of objects all of which are too far from the scene's origin.
+    pub(crate) fn notes_on_places(&self, scene: &Scene) -> Vec<Note> {
+        let mut notes: Vec<Note> = Vec::new();
+        for object in &scene.objects {
+            let material = &scene.materials[object.material];
+            let transport = self.of(object.material);
+            let is_known = notes.iter().any(|note| note.material.as_ref() == Some(&material.name));
+            if is_known || matches!(transport, SubsurfaceTransport::Lambertian) {
+                continue;
+            }
+            let (low, high) = object.bounds();
+            let nearest = Vec3::ZERO.clamp(low, high).abs().max_element();
+            let stated = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
+            let albedo = material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE);
+            let length = |at: f32| transport.length(albedo, stated, offset_at(at));
+            if length(0.0) != Vec3::ZERO && length(nearest) == Vec3::ZERO {
+                let message = format!(
+                    "object {} is {nearest} {} from the scene's origin, where single precision does not resolve so short a \
+                     mean free path: it is rendered as Lambertian; put the camera near it, or the origin",
+                    object.name,
+                    scene.unit.name()
+                );
+                notes.push(Note {
+                    kind: NoteKind::Unresolved,
+                    material: Some(material.name.clone()),
+                    message,
+                });
+            }
+        }
+        notes
     }
 
     /// Note for the user on the shapes.

@@ -69,6 +69,8 @@ pub(crate) struct PathState {
     pub(crate) depth: u32,
     pub(crate) diffuse_depth: u32,
     passes: u32,
+    /// It has met a surface that the camera sees, whether that has scattered it or not.
+    pub(crate) has_met: bool,
     /// The path has left a matte surface with caustics off; see [`crate::path`].
     pub(crate) soft: bool,
     /// Number of the vertex, the camera's being 0.
@@ -95,6 +97,7 @@ impl PathState {
             depth: 0,
             diffuse_depth: 0,
             passes: 0,
+            has_met: false,
             soft: false,
             vertex: 0,
             absorption: Vec3::ZERO,
@@ -136,6 +139,11 @@ impl PathState {
         self.origin = origin;
         self.depth += 1;
         self.passes = 0;
+    }
+
+    /// Returns `true` if what it meets is seen by the camera itself, over holes at most: not through a body.
+    pub(crate) fn is_of_camera(&self) -> bool {
+        self.depth == 0 && !self.has_met
     }
 
     /// Returns `true` if it has passed a surface since it was scattered.

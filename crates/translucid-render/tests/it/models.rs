@@ -12,12 +12,13 @@ use translucid_profile::{
 use translucid_reference::exact::ObliqueHalfSpace;
 use translucid_render::NoteKind;
 use translucid_scene::{
-    ColorInput, ColorSpace, Image, Light, Material, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene,
-    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt, TextureRef, WalkSurface,
+    ColorInput, ColorSpace, Image, Light, Material, Mesh, Pixels, ProfileRow, ProfileTable, ScalarInput,
+    Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt, TextureRef,
+    WalkSurface,
 };
 
 use crate::common::{
-    assert_within, distant, measure, prepare, quad, sample_ray, samples, scene, uniform_environment,
+    assert_within, distant, measure, prepare, quad, sample_ray, samples, scene, sphere, uniform_environment,
 };
 
 const DIRECTIONAL: SubsurfaceModel = SubsurfaceModel::Profile(Model::DirectionalDipole);
@@ -192,6 +193,54 @@ fn walk_says_which_keys_do_not_concern_it() {
     for key in ["subsurface_method = \"point-based\"", "subsurface_texture_at", "subsurface_normalization"] {
         assert!(words.contains(key), "{words}");
     }
+}
+
+/// Where positions have no digits for a mean free path, a note says that the surface is Lambertian.
+#[test]
+fn bodies_beyond_single_precision_are_told_of() {
+    let notes = |far: f32, model| {
+        let mut scene = slab(material(model), 1.0);
+        let mesh = Arc::make_mut(&mut scene.objects[0].mesh);
+        mesh.positions.iter_mut().for_each(|position| position.x += far);
+        let kinds = prepare(scene).notes();
+        kinds.into_iter().map(|note| note.kind).collect::<Vec<_>>()
+    };
+    for model in [
+        SubsurfaceModel::RandomWalk(WalkSurface::Clear),
+        SubsurfaceModel::Profile(Model::NormalizedDiffusion),
+    ] {
+        assert_eq!(notes(1e3, model), []);
+        assert_eq!(notes(1e6, model), [NoteKind::Unresolved]);
+    }
+}
+
+/// A lamp and a camera in the middle of a body are told of; those in a cavity, and outside, are not.
+#[test]
+fn lamps_and_cameras_inside_bodies_are_told_of() {
+    let body = |meshes: Vec<Mesh>, at: Vec3, weight: f32| {
+        let material = Material {
+            subsurface_weight: ScalarInput::constant(weight),
+            ..material(SubsurfaceModel::RandomWalk(WalkSurface::Clear))
+        };
+        let mut scene = scene(meshes, material);
+        scene.objects.iter_mut().for_each(|object| object.subsurface_group = 0);
+        scene.camera.position = at;
+        let radiance = Vec3::ONE;
+        scene.lights = vec![
+            distant(Vec3::Z),
+            Light::Sphere { center: at + 0.1 * Vec3::X, radius: 0.05, radiance, visible: true },
+        ];
+        prepare(scene).notes().into_iter().map(|note| note.to_string()).collect::<Vec<_>>()
+    };
+    let inside = body(vec![sphere(3.0, 24)], Vec3::new(0.5, 0.2, -0.3), 1.0);
+    let [camera, light] = &inside[..] else { panic!("{inside:?}") };
+    assert!(camera.contains("the camera sees nothing"), "{camera}");
+    assert!(light.contains("light 1 (sphere) lights nothing"), "{light}");
+    let mut cavity = sphere(1.0, 24);
+    cavity.flip_winding();
+    assert_eq!(body(vec![sphere(3.0, 24), cavity], Vec3::new(0.5, 0.2, -0.3), 1.0), [""; 0]);
+    assert_eq!(body(vec![sphere(3.0, 24)], Vec3::new(5.0, 0.2, -0.3), 1.0), [""; 0]);
+    assert_eq!(body(vec![sphere(3.0, 24)], Vec3::new(0.5, 0.2, -0.3), 0.0), [""; 0]);
 }
 
 /// Without a named model, the picture is that of the model that the scene implies, and every key is honored.

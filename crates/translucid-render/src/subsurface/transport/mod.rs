@@ -99,7 +99,7 @@ impl SubsurfaceTransport {
 
     /// Lengths as the transport uses them, 0 in channels whose light leaves too near its entry for positions with a rounding
     /// error of `offset` to resolve.
-    fn length(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
+    pub(super) fn length(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
         match self {
             Self::Lambertian => Vec3::ZERO,
             Self::Probes(probes) | Self::Shared(probes) => {
