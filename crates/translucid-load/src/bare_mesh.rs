@@ -395,18 +395,18 @@ mod tests {
 
     #[test]
     fn files_that_are_no_scenes_are_refused() {
-        for (name, message) in [
-            ("a.fbx", "a .fbx file is neither a scene nor a mesh"),
-            ("a", "a file without extension is neither a scene nor a mesh"),
+        let formats = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
+        let export = format!("export glTF (.glb) from the program that wrote it, or from Blender; {formats}");
+        for (name, message, help) in [
+            ("a.fbx", "a .fbx file is neither a scene nor a mesh", export.as_str()),
+            ("a.xyz", "a .xyz file is neither a scene nor a mesh", formats),
+            ("a", "a file without extension is neither a scene nor a mesh", formats),
         ] {
             let (_folder, path) = file(name, "");
             let error = refuse(&path, &LoadOptions::default());
             assert_eq!(error.message, message);
             assert_eq!(error.place.unwrap().path, path);
-            assert_eq!(
-                error.help.as_deref(),
-                Some("scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl")
-            );
+            assert_eq!(error.help.as_deref(), Some(help));
         }
         for name in ["absent.toml", "absent.ply", "absent.obj", "absent.glb"] {
             let error = refuse(Path::new(name), &LoadOptions::default());

@@ -14,6 +14,20 @@ use crate::origin::settle;
 use crate::ply::read_ply;
 use crate::stl::read_stl;
 
+/// The formats of meshes, as messages list them.
+pub(crate) const MESHES: &str = ".glb, .gltf, .obj, .ply or .stl";
+
+/// Formats of scenes and solids that other programs write.
+const FOREIGN: [&str; 17] = [
+    "3ds", "3mf", "abc", "amf", "dae", "fbx", "iges", "igs", "max", "off", "step", "stp", "usd", "usda",
+    "usdc", "usdz", "x3d",
+];
+
+/// Returns `true` if the file's extension is that of a mesh format.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "glb" | "gltf" | "obj" | "ply" | "stl")
+}
+
 pub(crate) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "gltf" | "glb")
 }
@@ -42,10 +56,18 @@ fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneE
     if extension(path) == "stl" {
         return read_stl(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
-    let message = match extension(path).as_str() {
+    let extension = extension(path);
+    let message = match extension.as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),
         other => format!("a .{other} file is neither a scene nor a mesh"),
     };
-    let help = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
+    let formats = format!("scenes are .toml, meshes are {MESHES}");
+    let help = match extension.as_str() {
+        "blend" => format!("export glTF (.glb) from Blender, or render there with the extension; {formats}"),
+        other if FOREIGN.contains(&other) => {
+            format!("export glTF (.glb) from the program that wrote it, or from Blender; {formats}")
+        }
+        _ => formats,
+    };
     Err(SceneError::at(Place::file(path), message).with_help(help))
 }

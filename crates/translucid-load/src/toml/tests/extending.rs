@@ -282,11 +282,11 @@ fn options_reach_through_a_row_of_files() {
 #[test]
 fn broken_extends_is_refused() {
     let folder = Folder::new();
-    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)";
+    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply or .stl)";
     folder.refuse(
-        "extends = \"a.stl\"",
-        &format!("extends is \"a.stl\", but must be {paths}"),
-        "\"a.stl\"",
+        "extends = \"a.fbx\"",
+        &format!("extends is \"a.fbx\", but must be {paths}"),
+        "\"a.fbx\"",
         "",
     );
     folder.refuse("extends = 3", "extends is a number, but must be the path of a file", "3", "");
