@@ -29,6 +29,7 @@ mod options;
 mod orientation;
 mod ply;
 mod polygon;
+mod primaries;
 mod profile_table;
 mod shared_mesh;
 mod stage;
