@@ -55,7 +55,7 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
         (Some(profile), _) => Some(Stated::Icc(profile)),
         (None, Some(ExifColor::AdobeRgb)) => {
             let encoding = Encoding::new("Adobe RGB, by EXIF", Curve::Power(563.0 / 256.0), ADOBE_RGB);
-            Some(Stated::Encoding(encoding))
+            Some(Stated::encoding(encoding))
         }
         (None, Some(ExifColor::Uncalibrated)) => {
             Some(Stated::Unknown("its EXIF states no color space, but \"uncalibrated\"".into()))

@@ -147,9 +147,15 @@ impl Picture {
 /// What a file states of its colors.
 enum Stated {
     Icc(Vec<u8>),
-    Encoding(Encoding),
+    Encoding(Box<Encoding>),
     /// A statement that is passed over, in words that go on with what is done instead.
     Unknown(String),
+}
+
+impl Stated {
+    fn encoding(encoding: Encoding) -> Self {
+        Self::Encoding(Box::new(encoding))
+    }
 }
 
 /// A picture as its decoder returns it.
@@ -177,7 +183,7 @@ impl Reading<'_> {
         let stated = stated.filter(|_| matches!(kind, ImageKind::Color(_)));
         let encoding = match stated {
             None => return Ok(plain(samples, color_space)),
-            Some(Stated::Encoding(encoding)) => encoding,
+            Some(Stated::Encoding(encoding)) => *encoding,
             Some(Stated::Unknown(words)) => {
                 self.warn(format!("{words}: its numbers are taken as {taken_as}"));
                 return Ok(plain(samples, color_space));

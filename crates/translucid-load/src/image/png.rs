@@ -56,7 +56,7 @@ pub(super) fn rgba<T: Copy>(pixel: &[T], opaque: T) -> [T; 4] {
 fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, translucid_scene::SceneError> {
     if let Some(points) = info.coding_independent_code_points {
         return match coded(points) {
-            Ok(encoding) => Ok(Some(Stated::Encoding(encoding))),
+            Ok(encoding) => Ok(Some(Stated::encoding(encoding))),
             Err(what) => Err(source
                 .error(format!("the PNG's colors are {what}, which cannot be read"))
                 .with_help("save it as a PNG with an ICC profile, or as linear OpenEXR")),
@@ -66,7 +66,7 @@ fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, tr
         return Ok(Some(Stated::Icc(profile.to_vec())));
     }
     if info.srgb.is_some() {
-        return Ok(Some(Stated::Encoding(Encoding::new("sRGB", Curve::Srgb, REC_709))));
+        return Ok(Some(Stated::encoding(Encoding::new("sRGB", Curve::Srgb, REC_709))));
     }
     let primaries = info.chrm_chunk.map(|chunk| {
         let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
@@ -89,7 +89,7 @@ fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, tr
     if !primaries.to_rec_709().is_finite() {
         return Ok(Some(Stated::Unknown("its cHRM are no primaries".into())));
     }
-    Ok(Some(Stated::Encoding(Encoding::new("gAMA and cHRM", curve, primaries))))
+    Ok(Some(Stated::encoding(Encoding::new("gAMA and cHRM", curve, primaries))))
 }
 
 /// Code points of ITU-T H.273, or what they stand for where it cannot be read.

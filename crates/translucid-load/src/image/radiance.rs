@@ -40,7 +40,7 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
             pixels[y * width + x] = float_from_rgbe(pixel);
         }
     }
-    let encoding = |primaries| Stated::Encoding(Encoding::new("PRIMARIES", Curve::Linear, primaries));
+    let encoding = |primaries| Stated::encoding(Encoding::new("PRIMARIES", Curve::Linear, primaries));
     let picture = Picture::plain([width, height], Samples::Float(pixels));
     Ok(Picture { stated: primaries.map(encoding), ..picture })
 }

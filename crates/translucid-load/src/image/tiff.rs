@@ -101,14 +101,14 @@ fn stated(page: &Directory<'_>, exif: Exif, is_float: bool) -> Option<Stated> {
         let primaries = Primaries([[a, b], [c, d], [e, f], [x, y]]);
         let is_sound = primaries.to_rec_709().is_finite();
         return Some(match is_sound {
-            true => Stated::Encoding(Encoding::new("PrimaryChromaticities", curve, primaries)),
+            true => Stated::encoding(Encoding::new("PrimaryChromaticities", curve, primaries)),
             false => Stated::Unknown("its PrimaryChromaticities are no primaries".into()),
         });
     }
     match exif.color? {
         ExifColor::AdobeRgb => {
             let curve = Curve::Power(563.0 / 256.0);
-            Some(Stated::Encoding(Encoding::new("Adobe RGB, by EXIF", curve, ADOBE_RGB)))
+            Some(Stated::encoding(Encoding::new("Adobe RGB, by EXIF", curve, ADOBE_RGB)))
         }
         ExifColor::Uncalibrated => None,
     }
@@ -533,7 +533,8 @@ mod tests {
     #[test]
     fn tiff_in_planes_is_read_in_strips_and_tiles() {
         let planar = (284, 3, vec![2]);
-        let strips = written(&[(tags(3, 2, &[planar.clone()]), [100, 200, 300].map(strip).to_vec())]);
+        let strips =
+            written(&[(tags(3, 2, std::slice::from_ref(&planar)), [100, 200, 300].map(strip).to_vec())]);
         assert_eq!(codes(&decoded(&strips, ColorSpace::Linear).unwrap(), 2, 1), [105, 205, 305]);
         // Tiles of 16 × 16 end far beyond the picture
         let tile = |first: u16| -> Vec<u8> {

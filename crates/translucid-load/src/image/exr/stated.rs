@@ -24,7 +24,7 @@ pub(super) fn stated(header: &Header) -> Option<Stated> {
     if let Some(AttributeValue::Text(id)) = named("colorInteropID") {
         let id = text(id);
         match interop(&id) {
-            Some(encoding) => return Some(Stated::Encoding(encoding)),
+            Some(encoding) => return Some(Stated::encoding(encoding)),
             None if matches!(id.as_str(), "" | "data" | "unknown") => {}
             None if chromaticities.is_none() => {
                 return Some(Stated::Unknown(format!("its colorInteropID \"{id}\" is not known")));
@@ -33,14 +33,14 @@ pub(super) fn stated(header: &Header) -> Option<Stated> {
         }
     }
     if let Some(AttributeValue::I32(1)) = named("acesImageContainerFlag") {
-        return Some(Stated::Encoding(Encoding::new("ACES2065-1", Curve::Linear, AP0)));
+        return Some(Stated::encoding(Encoding::new("ACES2065-1", Curve::Linear, AP0)));
     }
     let Chromaticities { red, green, blue, white } = chromaticities?;
     let primaries = Primaries([red, green, blue, white].map(|at| [at.0, at.1].map(f64::from)));
     if !primaries.to_rec_709().is_finite() {
         return Some(Stated::Unknown("its chromaticities are no primaries".into()));
     }
-    Some(Stated::Encoding(Encoding::new("chromaticities", Curve::Linear, primaries)))
+    Some(Stated::encoding(Encoding::new("chromaticities", Curve::Linear, primaries)))
 }
 
 /// A space of the Color Interop Forum, by names such as "lin_ap1_scene", with or without a namespace.
