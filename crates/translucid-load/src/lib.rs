@@ -30,6 +30,7 @@ mod orientation;
 mod origin;
 mod ply;
 mod polygon;
+mod primaries;
 mod profile_table;
 mod shared_mesh;
 mod stage;

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{Affine2, Vec2, Vec3};
 use translucid_scene::{
-    Channel, ColorInput, ColorSpace, Image, Interval, Material, NormalMap, Pixels, Place, ScalarInput,
-    SceneError, TextureRef, Warning, Wrap,
+    Channel, ColorInput, ColorSpace, Image, ImageKind, Interval, Material, NormalMap, Pixels, Place,
+    ScalarInput, SceneError, TextureRef, Warning, Wrap,
 };
 
 use super::image::read_image;
@@ -19,7 +19,7 @@ const EXPONENT: Interval = Interval::closed(0.0, f32::MAX as f64);
 #[derive(Debug, Default)]
 pub(super) struct ImagePool {
     images: Vec<Image>,
-    numbers: HashMap<(PathBuf, bool), Option<usize>>,
+    numbers: HashMap<(PathBuf, ImageKind), Option<usize>>,
 }
 
 impl ImagePool {
@@ -31,15 +31,15 @@ impl ImagePool {
     fn get(
         &mut self,
         path: PathBuf,
-        color_space: ColorSpace,
+        kind: ImageKind,
         place: Place,
         loading: &mut Loading<'_>,
     ) -> Option<usize> {
-        let key = (path, color_space == ColorSpace::Srgb);
+        let key = (path, kind);
         if let Some(&known) = self.numbers.get(&key) {
             return known;
         }
-        let number = match read_image(&key.0, color_space, loading) {
+        let number = match read_image(&key.0, kind, loading) {
             Ok(image) => {
                 self.images.push(image);
                 Some(self.images.len() - 1)
@@ -233,9 +233,11 @@ impl LineReader<'_, '_> {
     }
 
     fn map(&mut self, keyword: &str, rest: &str, draft: &mut Draft) {
-        let color_space = match keyword {
-            "map_kd" | "map_ks" | "map_ke" => ColorSpace::Srgb,
-            "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => ColorSpace::Linear,
+        let kind = match keyword {
+            "map_kd" | "map_ks" | "map_ke" => ImageKind::Color(ColorSpace::Srgb),
+            "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => {
+                ImageKind::Plain(ColorSpace::Linear)
+            }
             "map_ka" => return, // Ambient light is what the renderer computes.
             _ => return self.warn(format!("{keyword} has no counterpart: passed over")),
         };
@@ -245,7 +247,7 @@ impl LineReader<'_, '_> {
         }
         options.bump = self.within(options.bump, NormalMap::SCALE);
         let path = self.path.with_file_name(options.file.replace('\\', "/"));
-        let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.loading) else { return };
+        let Some(image) = self.pool.get(path, kind, self.place.clone(), self.loading) else { return };
         let texture = options.texture(image);
         let scalar = |channel| Some((texture, channel));
         let material = &mut draft.material;
