@@ -12,7 +12,9 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod appearance;
 mod bare_mesh;
+mod creases;
 mod extent;
 mod file;
 mod gltf;
@@ -37,6 +39,8 @@ mod stl;
 mod toml;
 mod viewpoint;
 mod watch;
+mod weld;
+mod winding;
 
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use translucid_scene::{Scene, SceneError, Warning};
 
+use crate::appearance::warn_of_appearance;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::extension;
 use crate::loading::Loading;
@@ -21,14 +22,17 @@ pub fn load_scene(
     options: &LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Scene, SceneError> {
-    if extension(path) != "toml" {
+    let scene = if extension(path) == "toml" {
+        let file = SceneFile::read(path)?;
+        refuse_mesh_options(path, &file, options)?;
+        file.load(options, warnings)?
+    } else {
         let mut loading = Loading::new(&options.watch, warnings);
         let scene = load_bare_mesh(path, options, &mut loading)?;
-        return Ok(Scene { files: loading.into_files(), ..scene });
-    }
-    let file = SceneFile::read(path)?;
-    refuse_mesh_options(path, &file, options)?;
-    file.load(options, warnings)
+        Scene { files: loading.into_files(), ..scene }
+    };
+    warn_of_appearance(&scene, path, warnings);
+    Ok(scene)
 }
 
 /// A scene file states its own materials and unit.

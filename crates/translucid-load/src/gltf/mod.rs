@@ -40,6 +40,7 @@ use super::MeshFile;
 use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use crate::loading::Loading;
+use crate::winding::{orient, orient_together, warn_of_turned};
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
@@ -102,6 +103,7 @@ fn read(
         warnings: loading.warnings,
         unusable: None,
         next_group: 0,
+        turned: 0,
         scene: MeshFile::default(),
     };
     for (done, node) in placed.iter().enumerate() {
@@ -162,6 +164,8 @@ struct Assembly<'a> {
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
     next_group: u32,
+    /// Triangles that wound the other way than the rest of their body.
+    turned: usize,
     scene: MeshFile,
 }
 
@@ -200,6 +204,7 @@ impl Assembly<'_> {
         }
         let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
         for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
+            let first = self.scene.objects.len();
             for primitive in 0..mesh.primitives.len() {
                 let place = format!("{label} primitive {primitive} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
@@ -211,6 +216,9 @@ impl Assembly<'_> {
                     }
                     None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
                 }
+            }
+            if self.scene.objects[first..].iter().all(|object| !object.is_placed()) {
+                self.turned += orient_together(&mut self.scene.objects[first..]);
             }
             self.next_group = self.next_group.saturating_add(1);
         }
@@ -239,6 +247,7 @@ impl Assembly<'_> {
         if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
             // One that cannot be repaired is told of below
             let mut of_mesh = Vec::new();
+            self.turned += orient(&mut mesh);
             if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
                 let object = shared.placed(world_from_local);
                 self.shared.insert((mesh_index, number), shared);
@@ -287,6 +296,7 @@ impl Assembly<'_> {
 
     fn finish(self) -> Result<MeshFile, SceneError> {
         self.materials.report(self.arrays);
+        warn_of_turned(self.turned, &Place::file(self.arrays.notes.path), self.warnings);
         if self.scene.objects.is_empty() {
             let none =
                 || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
