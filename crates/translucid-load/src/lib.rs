@@ -19,6 +19,7 @@ mod extent;
 mod file;
 mod gltf;
 mod image;
+mod kinds;
 mod load_scene;
 mod loading;
 mod materialx;

@@ -18,6 +18,8 @@ use crate::{Place, SceneError};
 pub struct Provenance {
     path: PathBuf,
     text: Arc<str>,
+    /// Where the lines of the text end: a large file has many places.
+    line_ends: Arc<[usize]>,
     /// The part of a scene that the values are about, where they are in no file.
     part: Option<String>,
 }
@@ -25,12 +27,15 @@ pub struct Provenance {
 impl Provenance {
     /// A file with its text.
     pub fn file(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: Arc::from(text), part: None }
+        let line_ends =
+            text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(end, _)| end).collect();
+        Self { path: path.to_owned(), text: Arc::from(text), line_ends, part: None }
     }
 
     /// Values that are in no file: errors name the part of the scene that they are about.
     pub fn part(part: &str) -> Self {
-        Self { path: PathBuf::new(), text: Arc::from(""), part: Some(part.to_owned()) }
+        let (text, line_ends) = (Arc::from(""), Arc::from([]));
+        Self { path: PathBuf::new(), text, line_ends, part: Some(part.to_owned()) }
     }
 
     /// The file; empty where there is none.
@@ -47,7 +52,11 @@ impl Provenance {
     pub fn place(&self, span: Range<usize>) -> Place {
         match &self.part {
             Some(part) => Place::part(&self.path, part),
-            None => Place::span(&self.path, &self.text, span),
+            None => Place {
+                line: Some(1 + self.line_ends.partition_point(|&end| end < span.start)),
+                excerpt: Some((Arc::clone(&self.text), span)),
+                ..Place::file(&self.path)
+            },
         }
     }
 
