@@ -93,25 +93,32 @@ fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<Vec3>, SceneError> {
 /// In files of Magics the header has "COLOR=" and four bytes, the color of the triangles whose highest bit is set; red is in
 /// the lowest bits.
 /// In those of VisCAM and SolidView triangles whose highest bit is set have a color; red is in the highest bits.
+/// MeshLab writes the header and the order of Magics, and sets the bit of triangles that have a color.
 fn colors(bytes: &[u8]) -> Vec<Vec3> {
     let key = b"COLOR=";
     let header = &bytes[..bytes.len().min(HEADER - 4)];
     let of_body = header.windows(key.len()).position(|word| word == key);
     let of_body = of_body.and_then(|at| header.get(at + key.len()..)?.first_chunk::<4>());
+    let is_meshlab = of_body.is_some_and(|body| body[3] == b' ');
     let count = triangle_count(bytes).unwrap_or(0);
     let triangles = bytes.get(HEADER..).unwrap_or_default().chunks_exact(TRIANGLE).take(count);
     let linear = |rgb: [f32; 3]| Vec3::from_array(rgb.map(linear_from_srgb));
-    let part = |bits: u16, shift: u32| f32::from(bits >> shift & 31) / 31.0;
-    let of_triangle = |triangle: &[u8]| {
-        let bits = u16::from_le_bytes([triangle[48], triangle[49]]);
+    let of_bits =
+        |bits: u16, shifts: [u32; 3]| linear(shifts.map(|shift| f32::from(bits >> shift & 31) / 31.0));
+    let of_triangle = |bits: u16| {
         let is_set = bits >> 15 == 1;
         match of_body {
+            Some(_) if is_meshlab => is_set.then(|| of_bits(bits, [0, 5, 10])),
             Some(&[r, g, b, _]) if is_set => Some(linear([r, g, b].map(|byte| f32::from(byte) / 255.0))),
-            Some(_) => Some(linear([0, 5, 10].map(|shift| part(bits, shift)))),
-            None => is_set.then(|| linear([10, 5, 0].map(|shift| part(bits, shift)))),
+            Some(_) => Some(of_bits(bits, [0, 5, 10])),
+            None => is_set.then(|| of_bits(bits, [10, 5, 0])),
         }
     };
-    let colors: Vec<Option<Vec3>> = triangles.map(of_triangle).collect();
+    let bits: Vec<u16> = triangles.map(|triangle| u16::from_le_bytes([triangle[48], triangle[49]])).collect();
+    if bits.iter().all(|&bits| bits == 0) {
+        return Vec::new();
+    }
+    let colors: Vec<Option<Vec3>> = bits.into_iter().map(of_triangle).collect();
     match colors.iter().any(Option::is_some) {
         true => colors.into_iter().map(|color| color.unwrap_or(Vec3::ONE)).collect(),
         false => Vec::new(),
@@ -300,6 +307,9 @@ mod tests {
         assert_eq!(with(b"VisCAM", [1 << 15 | 31 << 10, 1 << 15 | 31]), [red, blue]);
         assert_eq!(with(b"VisCAM", [1 << 15 | 31 << 10, 31]), [red, Some(Vec3::ONE)]);
         assert_eq!(with(b"COLOR=\x00\x00\xff\xff", [31, 1 << 15]), [red, blue]);
+        assert_eq!(with(b"COLOR=\x00\x00\xff\xff", [0, 0]), [None, None]);
+        let meshlab = b"COLOR=\x7f\x7f\x7f MATERIAL=\x7f\x7f\x7f";
+        assert_eq!(with(meshlab, [1 << 15 | 31, 1 << 15 | 31 << 10]), [red, blue]);
     }
 
     #[test]

@@ -23,7 +23,7 @@ mod notes;
 mod textures;
 mod uri;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
@@ -31,7 +31,7 @@ use translucid_scene::{Object, Place, Scene, SceneError, Unit, Warning, repair_m
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
-use self::document::{Document, Node};
+use self::document::{Document, Node, Primitive};
 use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
@@ -148,6 +148,18 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
     uses
 }
 
+/// For each primitive whether an earlier one of the mesh is the same triangles again.
+fn repeated_primitives(primitives: &[Primitive]) -> Vec<bool> {
+    fn signature(
+        primitive: &Primitive,
+    ) -> (&document::Attributes, &Option<usize>, &Option<usize>, &Option<u32>) {
+        let Primitive { attributes, indices, material, mode, .. } = primitive;
+        (attributes, indices, material, mode)
+    }
+    let mut known = HashSet::new();
+    primitives.iter().map(signature).map(|signature| !known.insert(signature)).collect()
+}
+
 /// A scene on its way.
 struct Assembly<'a> {
     arrays: &'a Arrays<'a>,
@@ -203,9 +215,13 @@ impl Assembly<'_> {
             notes.warn(&label, "a mesh without primitives is left out");
         }
         let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
+        let repeated = repeated_primitives(&mesh.primitives);
+        if repeated.contains(&true) {
+            notes.warn(&label, "primitives that repeat another one are left out");
+        }
         for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
             let first = self.scene.objects.len();
-            for primitive in 0..mesh.primitives.len() {
+            for primitive in (0..mesh.primitives.len()).filter(|&number| !repeated[number]) {
                 let place = format!("{label} primitive {primitive} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
                 match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {

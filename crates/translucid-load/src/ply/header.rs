@@ -67,8 +67,8 @@ pub(super) struct Header {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
     names: HashSet<String>,
-    /// A comment names a picture, as MeshLab writes it.
-    pub(super) has_picture: bool,
+    /// The first picture that a comment names, as MeshLab writes it.
+    pub(super) picture: Option<String>,
     /// Where the data begins [bytes].
     pub(super) length: usize,
     /// Number of lines.
@@ -83,7 +83,7 @@ impl Header {
             format: Format::Ascii,
             elements: Vec::new(),
             names: HashSet::new(),
-            has_picture: false,
+            picture: None,
             length: 0,
             lines: 0,
         };
@@ -111,7 +111,9 @@ impl Header {
     fn read_line(&mut self, line: &str, format: &mut Option<Format>) -> Result<(), String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
-            ["comment", "TextureFile", ..] => self.has_picture = true,
+            ["comment", "TextureFile", ..] if self.picture.is_none() => {
+                self.picture = line.split_once("TextureFile").map(|(_, name)| name.trim().replace('\\', "/"));
+            }
             [] | ["comment" | "obj_info", ..] => (),
             ["format", _, version] if version != "1.0" => {
                 return Err(format!("PLY version {version} is not known, only 1.0 is"));

@@ -43,6 +43,15 @@ pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 /// # Errors
 /// As [`load_ply`].
 pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+    read_ply(bytes, path, warnings).map(|(mesh, _)| mesh)
+}
+
+/// As [`parse_ply`], with the name of the mesh's picture if a comment has one.
+pub(crate) fn read_ply(
+    bytes: &[u8],
+    path: &Path,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Mesh, Option<String>), SceneError> {
     let header = Header::parse(bytes, path)?;
     let body = header.length;
     let (mut mesh, mut faces) = match header.format {
@@ -51,7 +60,7 @@ pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
         Format::BigEndian => read_mesh(&header, Binary::<true> { bytes, position: body }, path),
     }?;
     let place = Place::file(path);
-    warn_of_lost(&header, &faces, &place, warnings);
+    warn_of_lost(&faces, &place, warnings);
     mesh.triangles = match faces.uvs.is_empty() {
         true => std::mem::take(&mut faces.triangles),
         false => faces.triangles.clone(),
@@ -59,11 +68,11 @@ pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
     warn_of_turned(orient(&mut mesh), &place, warnings);
     let mut mesh = with_corners(mesh, &faces, &place, warnings);
     repair_mesh(&mut mesh, &place, warnings)?;
-    Ok(mesh)
+    Ok((mesh, header.picture))
 }
 
 /// Warns of textures that cannot be what is meant.
-fn warn_of_lost(header: &Header, faces: &Faces, place: &Place, warnings: &mut Vec<Warning>) {
+fn warn_of_lost(faces: &Faces, place: &Place, warnings: &mut Vec<Warning>) {
     let mut warn = |message: String| warnings.push(Warning { message, place: Some(place.clone()) });
     if faces.misfits > 0 {
         let count = faces.misfits;
@@ -73,11 +82,6 @@ fn warn_of_lost(header: &Header, faces: &Faces, place: &Place, warnings: &mut Ve
         warn(String::from(
             "the faces have several pictures by texnumber, but a material has one: all get the same",
         ));
-    }
-    if header.has_picture {
-        let message =
-            "the picture that a comment TextureFile names is not read: a scene file gives it to a material";
-        warn(String::from(message));
     }
 }
 
