@@ -70,7 +70,8 @@ impl FaceColumns {
         faces: &mut Faces,
     ) -> Result<(), Fault> {
         let Scratch { indices, uvs } = scratch;
-        (indices.clear(), uvs.clear());
+        indices.clear();
+        uvs.clear();
         let mut color = Vec3::ZERO;
         for &(kind, role) in &self.columns {
             match (kind, role) {

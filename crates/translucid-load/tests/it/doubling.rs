@@ -3,6 +3,8 @@
 //! Each list of each format is doubled until it takes a while or the file is large, and then may not take much more than
 //! twice as long as half of it.
 
+#![allow(clippy::needless_pass_by_value, reason = "texts that are made where they are passed")]
+
 use std::fmt::Write;
 use std::path::Path;
 
