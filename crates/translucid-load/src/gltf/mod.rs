@@ -23,7 +23,7 @@ mod notes;
 mod textures;
 mod uri;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
@@ -31,7 +31,7 @@ use translucid_scene::{Object, Place, Scene, SceneError, Unit, Warning, repair_m
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
-use self::document::{Document, Node};
+use self::document::{Document, Node, Primitive};
 use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
@@ -41,6 +41,7 @@ use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use crate::loading::Loading;
 use crate::origin::Anchor;
+use crate::winding::{orient, orient_together, warn_of_turned};
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
@@ -105,6 +106,7 @@ fn read(
         warnings: loading.warnings,
         unusable: None,
         next_group: 0,
+        turned: 0,
         scene: MeshFile { origin, ..MeshFile::default() },
     };
     for (done, node) in placed.iter().enumerate() {
@@ -163,6 +165,18 @@ fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
     first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
 }
 
+/// For each primitive whether an earlier one of the mesh is the same triangles again.
+fn repeated_primitives(primitives: &[Primitive]) -> Vec<bool> {
+    fn signature(
+        primitive: &Primitive,
+    ) -> (&document::Attributes, &Option<usize>, &Option<usize>, &Option<u32>) {
+        let Primitive { attributes, indices, material, mode, .. } = primitive;
+        (attributes, indices, material, mode)
+    }
+    let mut known = HashSet::new();
+    primitives.iter().map(signature).map(|signature| !known.insert(signature)).collect()
+}
+
 /// A scene on its way.
 struct Assembly<'a> {
     arrays: &'a Arrays<'a>,
@@ -179,6 +193,8 @@ struct Assembly<'a> {
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
     next_group: u32,
+    /// Triangles that wound the other way than the rest of their body.
+    turned: usize,
     scene: MeshFile,
 }
 
@@ -216,8 +232,13 @@ impl Assembly<'_> {
             notes.warn(&label, "a mesh without primitives is left out");
         }
         let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
+        let repeated = repeated_primitives(&mesh.primitives);
+        if repeated.contains(&true) {
+            notes.warn(&label, "primitives that repeat another one are left out");
+        }
         for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
-            for primitive in 0..mesh.primitives.len() {
+            let first = self.scene.objects.len();
+            for primitive in (0..mesh.primitives.len()).filter(|&number| !repeated[number]) {
                 let place = format!("{label} primitive {primitive} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
                 match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {
@@ -228,6 +249,9 @@ impl Assembly<'_> {
                     }
                     None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
                 }
+            }
+            if self.scene.objects[first..].iter().all(|object| !object.is_placed()) {
+                self.turned += orient_together(&mut self.scene.objects[first..]);
             }
             self.next_group = self.next_group.saturating_add(1);
         }
@@ -256,6 +280,7 @@ impl Assembly<'_> {
         if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
             // One that cannot be repaired is told of below
             let mut of_mesh = Vec::new();
+            self.turned += orient(&mut mesh);
             if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
                 let object = shared.placed(world_from_local);
                 self.shared.insert((mesh_index, number), shared);
@@ -304,6 +329,7 @@ impl Assembly<'_> {
 
     fn finish(self) -> Result<MeshFile, SceneError> {
         self.materials.report(self.arrays);
+        warn_of_turned(self.turned, &Place::file(self.arrays.notes.path), self.warnings);
         if self.scene.objects.is_empty() {
             let none =
                 || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
