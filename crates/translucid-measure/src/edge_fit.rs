@@ -376,7 +376,7 @@ mod tests {
         let mut random = SplitMix(7);
         let (mut of_mfp, mut of_albedo, mut likely) = (0, 0, 0);
         let mut worst = 0.0_f64;
-        let pictures = power(160);
+        let pictures = power(64);
         for _ in 0..pictures {
             let samples = photographed(&truths, 0.01, &mut random);
             let fit = fit_edge(&samples, &response, Scale::Reflectance(White::PERFECT)).unwrap();

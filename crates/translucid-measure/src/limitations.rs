@@ -9,7 +9,7 @@ use crate::unknown_albedo::PLAUSIBLE;
 const UNEVEN: f64 = 0.5;
 
 /// Reflectance that a black card hardly has.
-const BRIGHT_CARD: f64 = 0.06;
+const BRIGHT_CARD: f64 = 0.045;
 
 /// Mean square of residuals over the noise from which on the model does not explain the light.
 pub(crate) const MISFIT: f64 = 2.0;

@@ -150,7 +150,7 @@ mod tests {
         let mut random = SplitMix(9);
         let mut normal = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let pixels = (0..150 * 90).map(|i| {
-            let x = ((i % 150) as f64 - 60.0) * cos + ((i / 150) as f64 - 45.0) * sin;
+            let x = f64::from(i % 150 - 60) * cos + f64::from(i / 150 - 45) * sin;
             let light = if x < 0.0 { 0.03 } else { 1.0 - 0.4 * libm::exp(-x / creep) };
             [finish(0.5 * light + noise * normal()) as f32; 3]
         });
