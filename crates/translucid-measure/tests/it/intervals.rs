@@ -34,3 +34,21 @@ fn intervals_hold_the_truth() {
     }
     assert!(missed.iter().all(|missed| missed * 6 <= channels), "{missed:?} of {channels}");
 }
+
+/// Of a photograph with a dark and a bright channel: without something white nothing is known of A, and ℓ may be that of any.
+#[test]
+fn intervals_without_white_hold_any_surface_albedo() {
+    let (edges, mut random) = (ExactEdges::new(), SplitMix(3));
+    let synthetic = Synthetic::new(&edges, &mut random);
+    let options = Options { mm_per_pixel: Some(PIXEL), white: Some(synthetic.white), ..Options::default() };
+    let measure = |options: Options| {
+        Experiment::new(options).unwrap().measure(synthetic.photographs.clone(), &mut |_| ()).unwrap()
+    };
+    let region = measure(options.clone()).region;
+    let found = measure(Options { white: None, region: Some(region), ..options });
+    for (channel, truth) in found.fit.channels.iter().zip(synthetic.mfps) {
+        let [low, high] = channel.mfp.sure;
+        assert!(low < truth && truth < high && high > 2.0 * low, "{channel:?} {truth}");
+        assert_eq!(channel.surface_albedo, None);
+    }
+}
