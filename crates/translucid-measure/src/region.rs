@@ -110,7 +110,7 @@ mod tests {
     fn region_leaves_the_card_out() {
         let all = [0, 0, 120, 80];
         let region = |piece, region| beside_white(&photo(piece), region, [75, 15, 85, 25], |_| true);
-        // The card is found beyond the part that is named, and 12 pixels around it are left out
+        // The card is found but for its rim, and 12 pixels around it are left out
         assert_eq!(region(0.6, all), [0, 0, 59, 80]);
         assert_eq!(region(0.6, [0, 40, 120, 80]), [0, 40, 120, 80]);
         assert_eq!(region(0.6, [0, 50, 120, 80]), [0, 50, 120, 80]);
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(region(0.89, all), [0, 0, 58, 80]);
         // Where the wanted thing is elsewhere
         let needs_width = |part: &Photo| part.width > 100;
-        assert_eq!(beside_white(&photo(0.6), all, [75, 15, 85, 25], needs_width), [0, 40, 120, 80]);
+        assert_eq!(beside_white(&photo(0.6), all, [75, 15, 85, 25], needs_width), [0, 41, 120, 80]);
         assert_eq!(beside_white(&photo(0.6), all, [75, 15, 85, 25], |_| false), all);
     }
 }
