@@ -185,6 +185,7 @@ def measure(
     white: Sequence[int] | None = None,
     white_photo: ArrayLike | _Path | None = None,
     white_reflectance: ArrayLike | None = None,
+    white_tolerance: float | None = None,
     surface_albedo: ArrayLike | None = None,
     region: Sequence[int] | None = None,
     edge: ArrayLike | None = None,

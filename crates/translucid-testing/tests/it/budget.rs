@@ -18,7 +18,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-image", 800),
     ("translucid-laboratory", 4200),
     ("translucid-load", 11200),
-    ("translucid-measure", 3600),
+    ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 4700),
     ("translucid-reference", 5700),
