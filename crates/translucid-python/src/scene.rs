@@ -208,6 +208,12 @@ impl Scene {
         Ok(Self::of(Making { builder: scene.into(), image_count: 0, light_count: 0 }))
     }
 
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Scene cannot be pickled: pass what it is made of, or the path of its file, and make it there",
+        ))
+    }
+
     /// The files that a scene file or a mesh is read from: what another machine needs to load it.
     #[staticmethod]
     fn _files(py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
