@@ -442,7 +442,7 @@ def test_meshes_are_seen_as_the_command_sees_them(tmp_path, command):
     layers = translucid.read_exr(tmp_path / "picture.exr")
     assert np.array_equal(translucid.render(scene, spp=2)["radiance"], layers["radiance"])
     for word in ("up", "view", "floor"):
-        with pytest.raises(ValueError, match=f"{word} is 'sideways', but must be one of"):
+        with pytest.raises(ValueError, match=f'{word} is "sideways", but must be one of'):
             Scene.load(path, **{word: "sideways"})
     with pytest.raises(SceneError, match="sideways"):
         Scene.load(path, camera="sideways")
