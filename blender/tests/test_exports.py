@@ -89,11 +89,11 @@ def test_files_look_as_the_scene_that_they_were_written_from(kind, is_textured, 
     path = str(tmp_path / f"file.{'glb' if kind == 'usd' else kind}")
     export(kind, path)
     assert lamp.name in bpy.data.objects
-    # PLY and STL have no material, and STL no smooth faces.
+    # PLY and STL have no material, STL no smooth faces, and PLY no normals: those of seams are made by the angle between faces.
     keys = {"base_color": list(COLOR), "specular_roughness": ROUGHNESS} if kind in {"ply", "stl"} else {}
     ours = picture_of(path, kind in {"glb", "gltf", "usd"}, **keys)
     ratio = ours.mean(axis=(0, 1)) / whole.mean(axis=(0, 1))
     differences = np.abs(ours - whole).mean() / whole.mean()
     print(f"{kind} {is_textured}: ratio {ratio.round(4)}, differences {differences:.4f}")
-    assert np.abs(ratio - 1).max() < (0.03 if kind in {"obj", "stl"} else 0.005)
+    assert np.abs(ratio - 1).max() < {"obj": 0.03, "stl": 0.03, "ply": 0.01}.get(kind, 0.005)
     assert differences < (0.06 if kind in {"obj", "stl"} else 0.02)

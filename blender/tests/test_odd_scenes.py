@@ -263,7 +263,7 @@ SEEN = {
     "no lengths": (lambda: cube(wax(Radius=(0, 0, 0))), None),
     "endless lengths": (lambda: cube(wax(Radius=(1e6, 1e6, 1e6))), None),
     "names like those of others": (named_like_others, None),
-    "the camera in a body": (camera_inside, None),
+    "the camera in a body": (camera_inside, "material wax: the camera may see nothing, because it is inside the body of object Suzanne"),
     "an orthographic lens": (of_the_camera(orthographic_with_lens), None),
     "an f-number of 0": (of_the_camera(without_f_number), None),
     "a panorama": (

@@ -21,13 +21,13 @@ pub(super) fn notes(world: &World) -> Vec<Note> {
         let object = &scene.objects[object];
         let material = Some(scene.materials[object.material].name.clone());
         let message = format!(
-            "{what} inside the body of object {}, where nothing is but its medium; leave a cavity around it in the mesh",
+            "{what} inside the body of object {}, where light is not followed to it; leave a cavity around it in the mesh",
             object.name
         );
         Note { kind: NoteKind::Enclosed, material, message }
     };
     let camera = around(world, scene.camera.position);
-    let camera = camera.map(|object| note(object, String::from("the camera sees nothing, because it is")));
+    let camera = camera.map(|object| note(object, String::from("the camera may see nothing, because it is")));
     let of_light = |(number, light): (usize, &Light)| {
         let object = around(world, place(light)?)?;
         Some(note(object, format!("light {number} ({}) lights nothing, because it is", light.kind())))
