@@ -24,6 +24,7 @@ mod light;
 mod material;
 mod mesh;
 mod object;
+mod open_body;
 mod placement;
 mod profile_table;
 mod projection;
@@ -43,6 +44,7 @@ pub use material::{
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use object::Object;
+pub use open_body::OpenBody;
 pub use profile_table::ProfileTable;
 pub use projection::Projection;
 pub use scene::Scene;

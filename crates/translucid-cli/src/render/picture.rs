@@ -87,6 +87,7 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
         let seconds = start.elapsed().as_secs_f64();
         messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
         print_models(prepared.scene());
+        print_open_bodies(prepared.scene());
     }
     let view = prepared.view()?;
     let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
@@ -101,6 +102,18 @@ fn print_models(scene: &Scene) {
         let is_named = material.subsurface_model != SubsurfaceModel::Default;
         let choice = if is_named { "" } else { ", by default" };
         messages::line(&format!("material {}: {model}{choice}", material.name));
+    }
+}
+
+/// Open bodies that lines are about at most.
+const MOST_OPEN: usize = 8;
+
+/// How open the bodies are that light walks under, and what that costs.
+fn print_open_bodies(scene: &Scene) {
+    let open = scene.open_bodies();
+    open.iter().take(MOST_OPEN).for_each(|body| messages::line(&body.to_string()));
+    if open.len() > MOST_OPEN {
+        messages::line(&format!("{} more objects are open like that", open.len() - MOST_OPEN));
     }
 }
 

@@ -261,6 +261,21 @@ fn verbose_says_which_model_a_material_has() {
 }
 
 #[test]
+fn verbose_says_how_open_a_translucent_body_is() {
+    let (_keep, directory) = directory_with_ball();
+    fs::write(directory.join("sheet.obj"), "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n").unwrap();
+    let sheet = format!("{BALL}[[object]]\nfile = \"sheet.obj\"\nmaterial = \"stuff\"\n");
+    fs::write(directory.join("sheet.toml"), sheet).unwrap();
+    let lines = |options: &str| -> Vec<String> {
+        let message = stderr(&run(&directory, &format!("render sheet.toml --spp 1 {options}")));
+        message.lines().filter(|line| line.contains("one face only")).map(String::from).collect()
+    };
+    let line = "object sheet: 4 edges have one face only (80.00 % of all)";
+    assert!(matches!(&lines("-v")[..], [only] if only.starts_with(line)), "{:?}", lines("-v"));
+    assert!(lines("").is_empty() && lines("-v --subsurface dipole").is_empty());
+}
+
+#[test]
 fn subsurface_option_changes_the_picture() {
     let (_keep, directory) = directory_with_ball();
     stdout(&directory, "render ball.toml -q --spp 2 -o with.png");

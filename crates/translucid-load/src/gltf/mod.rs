@@ -96,12 +96,13 @@ fn read(
     let mut placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
     let origin = anchor(&placed, &arrays);
     placed.iter_mut().for_each(|node| node.world_from_local.translation -= origin);
+    let uses = uses_of_primitives(&uses_of_meshes(&placed, &arrays), &arrays);
     let mut assembly = Assembly {
         arrays: &arrays,
         units,
         materials: MaterialShelf::default(),
         budget: MOST,
-        uses: uses_of_meshes(&placed, &arrays),
+        uses,
         shared: HashMap::new(),
         warnings: loading.warnings,
         unusable: None,
@@ -165,16 +166,40 @@ fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
     first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
 }
 
+/// All that the triangles of a primitive depend on; one with morph targets, whose weights are the mesh's, is like no other.
+type Signature<'a> = (&'a document::Attributes, Option<usize>, Option<u32>, Option<usize>);
+
+fn signature(primitive: &Primitive) -> Signature<'_> {
+    let own = (!primitive.targets.is_empty()).then(|| std::ptr::from_ref(primitive).addr());
+    (&primitive.attributes, primitive.indices, primitive.mode, own)
+}
+
 /// For each primitive whether an earlier one of the mesh is the same triangles again.
 fn repeated_primitives(primitives: &[Primitive]) -> Vec<bool> {
-    fn signature(
-        primitive: &Primitive,
-    ) -> (&document::Attributes, &Option<usize>, &Option<usize>, &Option<u32>) {
-        let Primitive { attributes, indices, material, mode, .. } = primitive;
-        (attributes, indices, material, mode)
-    }
     let mut known = HashSet::new();
-    primitives.iter().map(signature).map(|signature| !known.insert(signature)).collect()
+    primitives
+        .iter()
+        .map(|Primitive { attributes, indices, material, mode, targets, .. }| {
+            !known.insert((attributes, indices, material, mode, targets))
+        })
+        .collect()
+}
+
+/// How often each primitive is used, in whatever mesh, by the uses of meshes.
+fn uses_of_primitives<'a>(
+    uses: &HashMap<usize, usize>,
+    arrays: &Arrays<'a>,
+) -> HashMap<Signature<'a>, usize> {
+    let mut sums: HashMap<Signature<'a>, usize> = HashMap::new();
+    for (&mesh, &uses) in uses {
+        // What cannot be found is refused when it is read
+        let Ok(mesh) = arrays.document.meshes.get(mesh, "", arrays.notes.path) else { continue };
+        for signature in mesh.primitives.iter().map(signature).collect::<HashSet<_>>() {
+            let sum = sums.entry(signature).or_insert(0);
+            *sum = sum.saturating_add(uses);
+        }
+    }
+    sums
 }
 
 /// A scene on its way.
@@ -185,10 +210,10 @@ struct Assembly<'a> {
     materials: MaterialShelf,
     /// Vertices and triangles that the file may still have.
     budget: usize,
-    /// How often each mesh is used.
-    uses: HashMap<usize, usize>,
-    /// Primitives that their uses share, by the numbers of the mesh and of the primitive.
-    shared: HashMap<(usize, usize), SharedMesh>,
+    /// How often each primitive is used.
+    uses: HashMap<Signature<'a>, usize>,
+    /// Primitives that their uses share, by the texture coordinates of their materials.
+    shared: HashMap<(Signature<'a>, Option<usize>), SharedMesh>,
     warnings: &'a mut Vec<Warning>,
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
@@ -198,7 +223,7 @@ struct Assembly<'a> {
     scene: MeshFile,
 }
 
-impl Assembly<'_> {
+impl<'a> Assembly<'a> {
     fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let part = document.nodes.label(placed.index);
@@ -238,16 +263,18 @@ impl Assembly<'_> {
         }
         for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
             let first = self.scene.objects.len();
-            for primitive in (0..mesh.primitives.len()).filter(|&number| !repeated[number]) {
-                let place = format!("{label} primitive {primitive} of {part}");
+            for (number, primitive) in
+                mesh.primitives.iter().enumerate().filter(|&(number, _)| !repeated[number])
+            {
+                let place = format!("{label} primitive {number} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
-                match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {
+                let material = self.materials.get(primitive.material, &place, self.units, self.arrays)?;
+                let shared = self.shared.get(&(signature(primitive), material.uv_set));
+                match shared.and_then(|mesh| mesh.placed(&world_from_local)) {
                     Some(object) => {
-                        let material = mesh.primitives[primitive].material;
-                        let material = self.materials.get(material, &place, self.units, self.arrays)?.index;
-                        self.push(Object { name: name.clone(), material, ..object }, &place)?;
+                        self.push(Object { name: name.clone(), material: material.index, ..object }, &place)?;
                     }
-                    None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
+                    None => self.add_primitive(primitive, &world_from_local, name, &place)?,
                 }
             }
             if self.scene.objects[first..].iter().all(|object| !object.is_placed()) {
@@ -260,13 +287,11 @@ impl Assembly<'_> {
 
     fn add_primitive(
         &mut self,
-        (mesh_index, number): (usize, usize),
+        primitive: &'a Primitive,
         world_from_local: &Affine3A,
         name: &str,
         part: &str,
     ) -> Result<(), SceneError> {
-        let primitive =
-            &self.arrays.document.meshes.get(mesh_index, part, self.arrays.notes.path)?.primitives[number];
         let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
         let set = material.uv_set.unwrap_or(0);
         let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
@@ -276,14 +301,15 @@ impl Assembly<'_> {
             self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
         }
         let place = Place::part(self.arrays.notes.path, part);
-        let uses = self.uses.get(&mesh_index).copied().unwrap_or(1);
-        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
+        let uses = self.uses.get(&signature(primitive)).copied().unwrap_or(1);
+        let key = (signature(primitive), material.uv_set);
+        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&key) {
             // One that cannot be repaired is told of below
             let mut of_mesh = Vec::new();
             self.turned += orient(&mut mesh);
             if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
                 let object = shared.placed(world_from_local);
-                self.shared.insert((mesh_index, number), shared);
+                self.shared.insert(key, shared);
                 if let Some(object) = object {
                     self.warnings.append(&mut of_mesh);
                     return self

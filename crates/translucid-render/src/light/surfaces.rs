@@ -1,13 +1,12 @@
 //! The lights with a surface that rays can meet, in a hierarchy of boxes if there are many.
 
 use glam::{Vec3, Vec3A};
-use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use super::LightHit;
 use super::emitters::PlacedLight;
+use crate::ray::BinaryBuilder;
 
 /// Up to this many are tested one by one.
 const MOST_TESTED: usize = 8;
@@ -40,13 +39,14 @@ impl Surfaces {
             .filter(|&light| sources[light].is_surface())
             .map(|light| light as u32)
             .collect();
-        let boxes: Vec<LightBox> = lights.iter().filter_map(|&light| LightBox::new(sources, light)).collect();
+        let boxes: Vec<Aabb> =
+            lights.iter().filter_map(|&light| roomy_box(&sources[light as usize])).collect();
         // Without a box for each of them there is no hierarchy.
         let hierarchy = (lights.len() > MOST_TESTED && boxes.len() == lights.len()).then(|| {
-            let places = (0..boxes.len() as u32).collect();
-            let (distance, precision) = (PlocSearchDistance::Medium, SortPrecision::U64);
-            let built = PlocBuilder::with_capacity(boxes.len()).build(distance, &boxes, places, precision, 1);
-            LightHierarchy { nodes: built.nodes, places: built.primitive_indices }
+            let mut builder = BinaryBuilder::default();
+            builder.build(&boxes);
+            let (nodes, places) = builder.into_parts();
+            LightHierarchy { nodes, places }
         });
         Self { lights, hierarchy }
     }
@@ -172,23 +172,11 @@ impl TraversalStack {
     }
 }
 
-/// A light's box, a little larger than the light.
-struct LightBox(Aabb);
-
-impl LightBox {
-    fn new(sources: &[PlacedLight], light: u32) -> Option<Self> {
-        let bounds = sources[light as usize].bounds()?;
-        // It differs between lights, since the builder takes quadratic time over equal boxes.
-        let jitter = (light.wrapping_mul(0x9e37_79b9) >> 28) as f32 * f32::EPSILON;
-        let (low, high) = (Vec3A::from(bounds.low), Vec3A::from(bounds.high));
-        let room = low.abs().max(high.abs()).max_element() * (BOX_ROOM + jitter);
-        let found = Aabb::new(low - room, high + room);
-        (found.min.is_finite() && found.max.is_finite()).then_some(Self(found))
-    }
-}
-
-impl Boundable for LightBox {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
+/// A box a little larger than a light.
+fn roomy_box(light: &PlacedLight) -> Option<Aabb> {
+    let bounds = light.bounds()?;
+    let (low, high) = (Vec3A::from(bounds.low), Vec3A::from(bounds.high));
+    let room = low.abs().max(high.abs()).max_element() * BOX_ROOM;
+    let found = Aabb::new(low - room, high + room);
+    (found.min.is_finite() && found.max.is_finite()).then_some(found)
 }

@@ -1,5 +1,6 @@
 //! Rays, triangles and the hierarchy over them.
 
+mod binary_tree;
 mod body;
 mod clearance;
 mod facets;
@@ -13,6 +14,7 @@ mod simd;
 mod triangle;
 mod wide_tree;
 
+pub(crate) use binary_tree::BinaryBuilder;
 pub(crate) use body::{Body, FlightEnd, Inside};
 pub(crate) use facets::{Crossing, LightOrigin};
 pub use geometry::Geometry;

@@ -133,6 +133,33 @@ fn meshes_of_many_uses_are_shared() {
     }
 }
 
+/// Exporters write a mesh anew for each use, over the same accessors, with another material perhaps.
+#[test]
+fn meshes_of_the_same_accessors_are_shared() {
+    const COUNT: usize = 70_000;
+    let mut file = File::tetrahedron();
+    file.json["materials"] = json!([{}, { "emissiveFactor": [1, 1, 1] }]);
+    let primitive = file.json["meshes"][0]["primitives"][0].clone();
+    let with_material = |material: usize| {
+        let mut primitive = primitive.clone();
+        primitive["material"] = json!(material);
+        json!({ "primitives": [primitive] })
+    };
+    file.json["meshes"] = (0..COUNT).map(|i| with_material(i % 2)).collect();
+    file.json["nodes"] = (0..COUNT).map(|i| json!({ "mesh": i, "translation": [i, 0, 0] })).collect();
+    file.json["scenes"] = json!([{ "nodes": (0..COUNT).collect::<Vec<_>>() }]);
+    let objects = file.load().scene.objects;
+    assert_eq!(objects.len(), COUNT);
+    assert!(objects.iter().all(|object| std::sync::Arc::ptr_eq(&object.mesh, &objects[0].mesh)));
+    assert!([0, 1, 2].map(|i| objects[i].material) == [0, 1, 0]);
+    assert_eq!(objects[3].bounds().0.x, 3.0);
+    // Other indices are another mesh
+    let indices = file.indices_u32(&[0, 1, 2]);
+    file.json["meshes"][7]["primitives"][0]["indices"] = json!(indices);
+    let objects = file.load().scene.objects;
+    assert_eq!([6, 7, 8].map(|i| objects[i].mesh.triangles.len()), [4, 1, 4]);
+}
+
 #[test]
 fn the_default_scene_is_read_else_the_first_else_every_root() {
     let mut file = File::tetrahedron();

@@ -209,9 +209,7 @@ impl<'a> PlacedObject<'a> {
             columns.x_axis.abs() * half.x + columns.y_axis.abs() * half.y + columns.z_axis.abs() * half.z;
         let center = block.world_point(0.5 * (low + high));
         let (low, high) = (center - reach, center + reach);
-        // A little room for each, which differs: the builder takes quadratic time over equal boxes
-        let jitter = 1.0 + (number.wrapping_mul(0x9e37_79b9) >> 28) as f32 / 16.0;
-        let room = jitter * block.offset_at(low).max(block.offset_at(high));
+        let room = block.offset_at(low).max(block.offset_at(high));
         Self { object, number, mesh, is_alone, low: low - room, high: high + room }
     }
 }

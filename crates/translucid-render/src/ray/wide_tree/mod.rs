@@ -1,6 +1,6 @@
 //! An eight-wide bounding volume hierarchy over blocks: up to eight triangles, or one instance of a mesh.
 //!
-//! `obvhs` builds a binary tree (PLOC with reinsertion); eight neighbors of it are gathered into one
+//! A good binary tree is built first (`binary_tree`); eight neighbors of it are gathered into one
 //! node, whose boxes are tested together, and as many things as there is room for into a block. Many things are built chunk
 //! by chunk, with one more tree over the chunks' trees.
 //! Rounding never hides a hit: boxes have a margin, far distances of the box test are widened, and the
@@ -25,12 +25,10 @@ use glam::Vec3;
 use lines::Lines;
 use node::{EMPTY, LEAF};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 pub(super) use traversal::Visitor;
 
+use super::binary_tree::BinaryBuilder;
 use super::primitive::{Block, Primitive, PrimitiveSource};
 use super::simd::SimdToken;
 use super::triangle::{BlockRay, Ray, TriangleBlock, TriangleHit};
@@ -157,21 +155,13 @@ impl<B: Block> Default for Subtree<B> {
 /// Memory for building the tree over a chunk, used again by the next chunk.
 struct ChunkBuilder<B> {
     boxes: Vec<Aabb>,
-    builder: PlocBuilder,
-    optimizer: ReinsertionOptimizer,
-    binary: Bvh2,
+    binary: BinaryBuilder,
     part: Subtree<B>,
 }
 
 impl<B: Block> Default for ChunkBuilder<B> {
     fn default() -> Self {
-        Self {
-            boxes: Vec::new(),
-            builder: PlocBuilder::new(),
-            optimizer: ReinsertionOptimizer::default(),
-            binary: Bvh2::default(),
-            part: Subtree::default(),
-        }
+        Self { boxes: Vec::new(), binary: BinaryBuilder::default(), part: Subtree::default() }
     }
 }
 
@@ -181,10 +171,10 @@ impl<B: Block> ChunkBuilder<B> {
         let thing = |index: u32| &primitives[chunk[index as usize] as usize];
         self.boxes.clear();
         self.boxes.extend(chunk.iter().map(|&number| primitives[number as usize].aabb()));
-        self.build_binary();
+        self.binary.build(&self.boxes);
+        let binary = self.binary.tree();
         let mut numbers = take(&mut self.part.numbers);
-        let mut gather =
-            NodeGatherer::new(&self.binary, |index| thing(index).needs(), take(&mut self.part.lines));
+        let mut gather = NodeGatherer::new(binary, |index| thing(index).needs(), take(&mut self.part.lines));
         gather.run(|lines, word, things| {
             let mut block = B::default();
             block.set_first(first + numbers.len() as u32);
@@ -193,18 +183,7 @@ impl<B: Block> ChunkBuilder<B> {
             LEAF | (lines.push_block(&block) - word)
         });
         let (lines, most_waiting) = (gather.lines, gather.most_waiting);
-        self.part = Subtree { lines, numbers, most_waiting, bounds: *self.binary.nodes[0].aabb() };
-    }
-
-    /// Makes a good binary tree over the boxes.
-    fn build_binary(&mut self) {
-        let Self { boxes, builder, optimizer, binary, .. } = self;
-        let mut indices = take(&mut binary.primitive_indices);
-        indices.clear();
-        indices.extend(0..boxes.len() as u32);
-        builder.build_with_bvh(binary, PlocSearchDistance::Medium, boxes, indices, SortPrecision::U64, 3);
-        // A tenth of obvhs' medium preset was measured to trace as fast on scanned meshes.
-        optimizer.run(binary, 0.02, None);
+        self.part = Subtree { lines, numbers, most_waiting, bounds: *binary.nodes[0].aabb() };
     }
 }
 
@@ -272,9 +251,10 @@ impl<B: Block> JoinedTree<B> {
     }
 
     fn finish(mut self) -> Subtree<B> {
-        let mut workshop = ChunkBuilder::<B> { boxes: self.boxes, ..ChunkBuilder::default() };
-        workshop.build_binary();
-        let mut gather = NodeGatherer::<B>::new(&workshop.binary, |_| None, Lines::default());
+        let mut builder = BinaryBuilder::default();
+        builder.build(&self.boxes);
+        let binary = builder.tree();
+        let mut gather = NodeGatherer::<B>::new(binary, |_| None, Lines::default());
         // A part's number stands for its node until that is known.
         gather.run(|_, _, part| LEAF | part[0]);
         let NodeGatherer { lines: mut top, most_waiting, .. } = gather;
@@ -285,7 +265,7 @@ impl<B: Block> JoinedTree<B> {
         });
         self.part.lines.replace_first(&top);
         self.part.most_waiting += most_waiting;
-        self.part.bounds = *workshop.binary.nodes[0].aabb();
+        self.part.bounds = *binary.nodes[0].aabb();
         self.part
     }
 }
