@@ -3,12 +3,13 @@
 //! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
 //! input can make it panic or allocate more than the file's own size justifies.
 //!
-//! **Read**: external, embedded and GLB buffers; all index types, strides, normalized and sparse
+//! **Read**: external, embedded and GLB buffers, compressed by EXT_meshopt_compression or not; all index types, strides, normalized and sparse
 //! accessors; lists, strips and fans; KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and
-//! TRS; the materials of [`materials`]; KHR_texture_transform; KHR_lights_punctual; perspective cameras.
+//! TRS; skins and morph targets in the pose that the file has; KHR_node_visibility; the materials of
+//! [`materials`]; KHR_texture_transform; KHR_lights_punctual; cameras.
 //!
-//! **Left out, with a warning**: points, lines, morph targets, skins, animations' poses, orthographic
-//! cameras, second texture coordinates. **Refused**: compressed geometry.
+//! **Left out, with a warning**: points, lines, animations, second texture coordinates.
+//! **Refused**: extensions that a file requires and that are not read.
 
 mod accessor;
 mod buffers;
@@ -18,8 +19,10 @@ mod geometry;
 mod lights;
 mod materials;
 mod media;
+mod meshopt;
 mod nodes;
 mod notes;
+mod pose;
 mod textures;
 mod uri;
 
@@ -27,7 +30,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
-use translucid_scene::{Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
+use translucid_scene::{Mesh, Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
@@ -36,6 +39,7 @@ use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
+use self::pose::Joints;
 use super::MeshFile;
 use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
@@ -95,6 +99,11 @@ fn read(
     let mut placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
     let origin = anchor(&placed, &arrays);
     placed.iter_mut().for_each(|node| node.world_from_local.translation -= origin);
+    let joints = pose::joints(&placed, &arrays);
+    placed.retain(|node| node.is_in_scene);
+    if document.animations > 0 {
+        notes.warn("animations", "they are left out: the pose is that of the nodes and their weights");
+    }
     let mut assembly = Assembly {
         arrays: &arrays,
         units,
@@ -102,8 +111,11 @@ fn read(
         budget: MOST,
         uses: uses_of_meshes(&placed, &arrays),
         shared: HashMap::new(),
+        joints,
+        skins: HashMap::new(),
         warnings: loading.warnings,
         unusable: None,
+        hidden: 0,
         next_group: 0,
         scene: MeshFile { origin, ..MeshFile::default() },
     };
@@ -114,31 +126,56 @@ fn read(
     assembly.finish()
 }
 
-/// Compressed geometry is refused; other unknown required extensions get a warning.
+/// Refuses a file that requires an extension that is not read; the help is a command that does without it, if there is one.
 fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
-    const COMPRESSION: [&str; 3] =
-        ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
-    const KNOWN: [&str; 4] =
-        ["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
-    for name in &document.extensions_required {
-        if COMPRESSION.contains(&name.as_str()) {
-            let error =
-                notes.error("extensionsRequired", format!("the file needs {name}, which is not read"));
-            return Err(error.with_help("export it without mesh compression"));
+    const READ: [&str; 6] = [
+        "EXT_mesh_gpu_instancing",
+        "EXT_texture_webp",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_node_visibility",
+        "KHR_texture_transform",
+    ];
+    /// Extensions that change nothing of what a file shows at first.
+    const OF_NO_EFFECT: [&str; 7] = [
+        "KHR_animation_pointer",
+        "KHR_interactivity",
+        "KHR_materials_variants",
+        "KHR_node_hoverability",
+        "KHR_node_selectability",
+        "KHR_xmp",
+        "KHR_xmp_json_ld",
+    ];
+    let known = READ.iter().chain(&OF_NO_EFFECT).chain(&buffers::MESHOPT).chain(&materials::READ);
+    let Some(name) =
+        document.extensions_required.iter().find(|name| !known.clone().any(|known| known == *name))
+    else {
+        return Ok(());
+    };
+    let help = match name.as_str() {
+        "KHR_draco_mesh_compression" => "gltf-transform copy IN.glb OUT.glb takes the compression out",
+        "KHR_texture_basisu" => {
+            "gltf-transform ktxdecompress IN.glb OUT.glb makes PNG images of its textures"
         }
-        // Those of materials are reported where a material has them.
-        if !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_") {
-            let name = uri::clip(name);
-            notes.warn("extensionsRequired", format!("{name} is not known: what it adds is left out"));
+        "EXT_texture_avif" => {
+            "gltf-transform png IN.glb OUT.glb --formats '*' makes PNG images of its textures"
         }
-    }
-    Ok(())
+        "KHR_materials_pbrSpecularGlossiness" => {
+            "gltf-transform metalrough IN.glb OUT.glb makes the materials ones that are read"
+        }
+        _ => {
+            "without its name in extensionsRequired the file is read, and what the extension adds is left out"
+        }
+    };
+    let error =
+        notes.error("extensionsRequired", format!("the file needs {}, which is not read", uri::clip(name)));
+    Err(error.with_help(help))
 }
 
 /// How often each mesh is used; what cannot be counted is refused when it is read.
 fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, usize> {
     let mut uses = HashMap::new();
-    for placed in placed {
+    for placed in placed.iter().filter(|placed| placed.is_visible) {
         let part = arrays.document.nodes.label(placed.index);
         let Ok(node) = arrays.document.nodes.get(placed.index, &part, arrays.notes.path) else { continue };
         if let Some(mesh) = node.mesh {
@@ -152,15 +189,38 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
 /// A point near the first position of the first mesh.
 fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
     let Arrays { document, notes, .. } = arrays;
-    let first = placed.iter().find_map(|placed| {
-        let node = document.nodes.get(placed.index, "", notes.path).ok()?;
+    let first = placed.iter().filter(|placed| placed.is_visible).find_map(|of_mesh| {
+        let node = document.nodes.get(of_mesh.index, "", notes.path).ok()?;
+        if let Some(skin) = node.skin.filter(|_| node.mesh.is_some()) {
+            let joint = *document.skins.get(skin, "", notes.path).ok()?.joints.first()?;
+            return Some(placed.iter().find(|other| other.index == joint)?.world_from_local.translation);
+        }
         let mesh = document.meshes.get(node.mesh?, "", notes.path).ok()?;
         let accessor = *mesh.primitives.first()?.attributes.get("POSITION")?;
         // What is wrong with it is told of when the mesh is read
         let position = *arrays.numbers::<3>(accessor, "").ok()?.first()?;
-        Some(placed.world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
+        Some(of_mesh.world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
     });
     first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
+}
+
+/// A primitive of a mesh where a node has it.
+struct MeshUse<'a> {
+    /// Number of the mesh.
+    index: usize,
+    mesh: &'a document::Mesh,
+    /// Number of the primitive.
+    primitive: usize,
+    node: &'a Node,
+    world_from_local: Affine3A,
+    name: &'a str,
+}
+
+impl MeshUse<'_> {
+    /// Whether the node has a pose of its own, by which the mesh becomes another one.
+    fn is_posed(&self) -> bool {
+        self.node.skin.is_some() || self.node.weights.is_some()
+    }
 }
 
 /// A scene on its way.
@@ -175,9 +235,14 @@ struct Assembly<'a> {
     uses: HashMap<usize, usize>,
     /// Primitives that their uses share, by the numbers of the mesh and of the primitive.
     shared: HashMap<(usize, usize), SharedMesh>,
+    joints: Joints,
+    /// Maps of the joints of the skins that are used.
+    skins: HashMap<usize, Vec<DAffine3>>,
     warnings: &'a mut Vec<Warning>,
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
+    /// Number of meshes that are not visible.
+    hidden: usize,
     next_group: u32,
     scene: MeshFile,
 }
@@ -187,11 +252,15 @@ impl Assembly<'_> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let part = document.nodes.label(placed.index);
         let node = document.nodes.get(placed.index, &part, notes.path)?;
-        if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh, node, placed, &part)?;
-        }
         if let Some(camera) = node.camera {
             self.add_camera(camera, placed, &part)?;
+        }
+        if !placed.is_visible {
+            self.hidden += usize::from(node.mesh.is_some());
+            return Ok(());
+        }
+        if let Some(mesh) = node.mesh {
+            self.add_mesh(mesh, node, placed, &part)?;
         }
         let light = lights::light(node, &placed.world_from_local, self.units, &part, document, notes)?;
         self.scene.lights.extend(light);
@@ -208,25 +277,28 @@ impl Assembly<'_> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let mesh = document.meshes.get(index, part, notes.path)?;
         let label = document.meshes.label(index);
-        if let Some(skin) = node.skin {
-            document.skins.get(skin, part, notes.path)?;
-            notes.warn(part, "a skin is left out: the mesh stays in its rest pose");
-        }
         if mesh.primitives.is_empty() {
             notes.warn(&label, "a mesh without primitives is left out");
         }
         let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
-        for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
+        if let Some(skin) = node.skin
+            && !self.skins.contains_key(&skin)
+        {
+            self.skins.insert(skin, self.arrays.joint_maps(skin, &self.joints, part)?);
+        }
+        for world_from_local in self.places(node, placed, part)? {
             for primitive in 0..mesh.primitives.len() {
                 let place = format!("{label} primitive {primitive} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
-                match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {
+                let of_mesh = MeshUse { index, mesh, primitive, node, world_from_local, name };
+                let shared = self.shared.get(&(index, primitive)).filter(|_| !of_mesh.is_posed());
+                match shared.and_then(|mesh| mesh.placed(&world_from_local)) {
                     Some(object) => {
                         let material = mesh.primitives[primitive].material;
                         let material = self.materials.get(material, &place, self.units, self.arrays)?.index;
                         self.push(Object { name: name.clone(), material, ..object }, &place)?;
                     }
-                    None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
+                    None => self.add_primitive(&of_mesh, &place)?,
                 }
             }
             self.next_group = self.next_group.saturating_add(1);
@@ -234,15 +306,20 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    fn add_primitive(
-        &mut self,
-        (mesh_index, number): (usize, usize),
-        world_from_local: &Affine3A,
-        name: &str,
-        part: &str,
-    ) -> Result<(), SceneError> {
-        let primitive =
-            &self.arrays.document.meshes.get(mesh_index, part, self.arrays.notes.path)?.primitives[number];
+    /// Where a node has its mesh. A skin's joints are in one place.
+    fn places(&self, node: &Node, placed: &PlacedNode, part: &str) -> Result<Vec<DAffine3>, SceneError> {
+        let places = nodes::instances(node, placed, part, self.arrays)?;
+        if node.skin.is_some() && places.len() != 1 {
+            self.arrays
+                .notes
+                .warn(part, "instances of a mesh with a skin are left out: it is in its pose once");
+            return Ok(vec![placed.world_from_local]);
+        }
+        Ok(places)
+    }
+
+    fn add_primitive(&mut self, of: &MeshUse<'_>, part: &str) -> Result<(), SceneError> {
+        let primitive = &of.mesh.primitives[of.primitive];
         let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
         let set = material.uv_set.unwrap_or(0);
         let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
@@ -251,29 +328,53 @@ impl Assembly<'_> {
         if material.uv_set.is_some() && mesh.uvs.is_empty() {
             self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
         }
-        let place = Place::part(self.arrays.notes.path, part);
-        let uses = self.uses.get(&mesh_index).copied().unwrap_or(1);
-        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
-            // One that cannot be repaired is told of below
-            let mut of_mesh = Vec::new();
-            if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
-                let object = shared.placed(world_from_local);
-                self.shared.insert((mesh_index, number), shared);
-                if let Some(object) = object {
-                    self.warnings.append(&mut of_mesh);
-                    return self
-                        .push(Object { name: name.to_owned(), material: material.index, ..object }, part);
-                }
-            }
+        let weights = of.node.weights.as_ref().unwrap_or(&of.mesh.weights);
+        self.arrays.add_targets(primitive, weights, part, &mut mesh)?;
+        if self.add_shared(of, &mesh, material.index, part)? {
+            return Ok(());
         }
-        mesh.transform(world_from_local);
-        if let Err(error) = repair_mesh(&mut mesh, &place, self.warnings) {
+        let maps = match of.node.skin.and_then(|skin| self.skins.get(&skin)) {
+            Some(joints) => self.arrays.vertex_maps(primitive, joints, mesh.positions.len(), part)?,
+            None => None,
+        };
+        match maps {
+            Some(maps) => mesh.transform_vertices(&maps),
+            None => mesh.transform(&of.world_from_local),
+        }
+        if let Err(error) = repair_mesh(&mut mesh, &Place::part(self.arrays.notes.path, part), self.warnings)
+        {
             self.arrays.notes.warn(part, format!("left out: {}", error.message));
             self.unusable.get_or_insert(error);
             return Ok(());
         }
-        let (name, mesh, material) = (name.to_owned(), mesh.into(), material.index);
+        let (name, mesh, material) = (of.name.to_owned(), mesh.into(), material.index);
         self.push(Object { name, mesh, material, ..Object::default() }, part)
+    }
+
+    /// Adds an object that shares its mesh with others to come, if it is worth it.
+    fn add_shared(
+        &mut self,
+        of: &MeshUse<'_>,
+        mesh: &Mesh,
+        material: usize,
+        part: &str,
+    ) -> Result<bool, SceneError> {
+        let key = (of.index, of.primitive);
+        let uses = self.uses.get(&of.index).copied().unwrap_or(1);
+        if of.is_posed() || !mesh.is_worth_sharing(uses) || self.shared.contains_key(&key) {
+            return Ok(false);
+        }
+        let (place, mut of_mesh) = (Place::part(self.arrays.notes.path, part), Vec::new());
+        // One that cannot be repaired is told of when it is baked
+        let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) else {
+            return Ok(false);
+        };
+        let object = shared.placed(&of.world_from_local);
+        self.shared.insert(key, shared);
+        let Some(object) = object else { return Ok(false) };
+        self.warnings.append(&mut of_mesh);
+        self.push(Object { name: of.name.to_owned(), material, ..object }, part)?;
+        Ok(true)
     }
 
     /// Adds an object of the mesh at hand.
@@ -305,8 +406,14 @@ impl Assembly<'_> {
     fn finish(self) -> Result<MeshFile, SceneError> {
         self.materials.report(self.arrays);
         if self.scene.objects.is_empty() {
-            let none =
-                || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
+            let none = || {
+                let place = Place::file(self.arrays.notes.path);
+                let error = SceneError::at(place, "the file's scene has no triangles");
+                match self.hidden {
+                    0 => error,
+                    count => error.with_help(format!("KHR_node_visibility hides {count} of its meshes")),
+                }
+            };
             return Err(self.unusable.unwrap_or_else(none));
         }
         let MaterialShelf { mut materials, images, .. } = self.materials;

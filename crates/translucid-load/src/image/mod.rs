@@ -6,6 +6,7 @@ mod jpeg;
 mod png;
 mod radiance;
 mod tiff;
+mod webp;
 
 use std::path::Path;
 
@@ -67,6 +68,7 @@ pub fn decode_image(
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source, warnings)?,
         [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => tiff::decode(&source, color_space)?,
         [b'#', b'?', ..] => radiance::decode(&source)?,
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => webp::decode(&source)?,
         _ => return Err(source.unknown_format()),
     };
     let color_space = match &mut pixels {
