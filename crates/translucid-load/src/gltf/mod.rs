@@ -155,7 +155,7 @@ fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneE
     let help = match name.as_str() {
         "KHR_draco_mesh_compression" => "gltf-transform copy IN.glb OUT.glb takes the compression out",
         "KHR_texture_basisu" => {
-            "gltf-transform ktxdecompress IN.glb OUT.glb makes PNG images of its textures"
+            "gltf-transform ktxdecompress IN.glb OUT.glb makes PNG images of its textures, by KTX-Software"
         }
         "EXT_texture_avif" => {
             "gltf-transform png IN.glb OUT.glb --formats '*' makes PNG images of its textures"
@@ -199,7 +199,8 @@ fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
         let accessor = *mesh.primitives.first()?.attributes.get("POSITION")?;
         // What is wrong with it is told of when the mesh is read
         let position = *arrays.numbers::<3>(accessor, "").ok()?.first()?;
-        Some(of_mesh.world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
+        let world_from_local = *nodes::instances(node, of_mesh, "", arrays).ok()?.first()?;
+        Some(world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
     });
     first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
 }
