@@ -1,5 +1,7 @@
 """Fits: what went in comes out, with errors that hold, and the command's numbers."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -92,3 +94,16 @@ def test_what_is_not_determined_is_named():
 
 def test_fit_is_exported():
     assert translucid.fit is fit
+
+
+def test_pickles_of_fits_come_back():
+    r = np.geomspace(0.01, 10.0, 60)
+    profile = Profile(surface_albedo=0.8, mfp=1.0)
+    names = ("family", "surface_albedo", "surface_albedo_error", "chi_square", "degrees_of_freedom", "l1_error", "undetermined")
+    for found in (fit(r, profile.eval(r), 0.01 * profile.eval(r)), fit(profile, family="gaussians")):
+        again = pickle.loads(pickle.dumps(found))
+        for name in names:
+            assert getattr(again, name) == getattr(found, name)
+        for name in ("weights", "weight_errors", "scales", "scale_errors"):
+            assert np.array_equal(getattr(again, name), getattr(found, name))
+        assert np.array_equal(again.profile.eval(r), found.profile.eval(r))

@@ -225,6 +225,10 @@ def test_plot_draws_a_line_for_each_profile():
             matplotlib.pyplot.close(ax.figure)
     with pytest.raises(ValueError, match="quantity is 'x'"):
         of("dipole").plot(quantity="x")
+    ax = Profile(surface_albedo=[0.2, 0.5], mfp=1.0).plot()
+    assert [line.get_label() for line in ax.lines] == ["surface albedo 0.2", "surface albedo 0.5"]
+    assert of("dipole").plot(ax=ax).lines[-1].get_label() == "dipole"
+    matplotlib.pyplot.close(ax.figure)
 
 
 def test_plot_says_what_is_missing(monkeypatch):

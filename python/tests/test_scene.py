@@ -1,6 +1,7 @@
 """Scenes of arrays and of files, and what is wrong with them."""
 
 import os
+import pickle
 import signal
 
 import numpy as np
@@ -429,6 +430,41 @@ def test_loaded_scene_takes_more(tmp_path):
     assert scene.objects == ["ball", "box"]
     assert scene.size == (20, 10)
     assert picture(scene)["radiance"].shape == (16, 24, 3)
+
+
+def test_meshes_are_seen_as_the_command_sees_them(tmp_path, command):
+    path = tmp_path / "body.obj"
+    lines = [f"v {x} {y} {z}" for x, y, z in TETRAHEDRON] + ["f " + " ".join(str(i + 1) for i in face) for face in FACES]
+    path.write_text("\n".join(lines) + "\n")
+    scene = Scene.load(path, preset="wax", size=(24, 16), up="z", view="30,20", floor="shadow")
+    options = ("--up", "z", "--view", "30,20", "--floor", "shadow", "--preset", "wax", "--size", "24x16", "--spp", 2)
+    command("render", path, *options, "-o", tmp_path / "picture.exr")
+    layers = translucid.read_exr(tmp_path / "picture.exr")
+    assert np.array_equal(translucid.render(scene, spp=2)["radiance"], layers["radiance"])
+    for word in ("up", "view", "floor"):
+        with pytest.raises(ValueError, match=f'{word} is "sideways", but must be one of'):
+            Scene.load(path, **{word: "sideways"})
+    with pytest.raises(SceneError, match="sideways"):
+        Scene.load(path, camera="sideways")
+
+
+def test_scenes_are_the_same_wherever_they_are():
+    def moved(by, **words):
+        scene = Scene(camera={"position": by + [0, 5, 30], "target": by + [0, 3, 0]}, **words)
+        scene.add_material("wax", preset="wax")
+        scene.add_mesh("body", TETRAHEDRON, FACES, material="wax", translate=by)
+        scene.add_light("sphere", center=by + [20, 20, 20], radius=3, radiance=30)
+        return picture(scene, spp=64)["radiance"].mean(axis=(0, 1))
+
+    near, far = np.zeros(3), np.array([3e8, -1e8, 2e8])
+    assert np.allclose(moved(far, origin=far + 0.5), moved(near), rtol=0.05)
+    with pytest.raises(ValueError, match="origin has 2 numbers"):
+        Scene(origin=[1, 2])
+
+
+def test_scenes_say_that_they_cannot_be_pickled():
+    with pytest.raises(TypeError, match="cannot be pickled"):
+        pickle.dumps(Scene())
 
 
 def test_transforms_are_tables_or_matrices():

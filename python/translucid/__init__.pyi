@@ -185,6 +185,7 @@ def measure(
     white: Sequence[int] | None = None,
     white_photo: ArrayLike | _Path | None = None,
     white_reflectance: ArrayLike | None = None,
+    white_tolerance: float | None = None,
     surface_albedo: ArrayLike | None = None,
     region: Sequence[int] | None = None,
     edge: ArrayLike | None = None,
@@ -371,6 +372,7 @@ class Scene:
         film: dict[str, Any] | None = None,
         integrator: dict[str, Any] | None = None,
         lights: Iterable[dict[str, Any]] | None = None,
+        origin: ArrayLike | None = None,
         subsurface_grouping: Literal["object", "material"] | None = None,
     ) -> Scene: ...
     @classmethod
@@ -382,6 +384,10 @@ class Scene:
         unit: _Unit | None = None,
         size: Sequence[int] | None = None,
         subsurface: str | None = None,
+        up: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None,
+        view: str | None = None,
+        floor: str | None = None,
+        camera: str | None = None,
     ) -> Scene: ...
     def add_material(self, name: str, **keys: Unpack[_MaterialKeys]) -> None: ...
     def add_mesh(

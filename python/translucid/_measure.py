@@ -91,6 +91,7 @@ def measure(
     white=None,
     white_photo=None,
     white_reflectance=None,
+    white_tolerance: float | None = None,
     surface_albedo=None,
     region=None,
     edge=None,
@@ -135,10 +136,12 @@ def measure(
         The same view with white paper in place of the piece.
     white_reflectance : float or array_like of shape (3,), optional
         Reflectance of what is white, in (0, 1]; by default 0.9, or 1 for the panel behind a slab.
+    white_tolerance : float, optional
+        Relative standard error of that reflectance, in [0, 0.5]; by default 0.02, or 0 for the panel behind a slab.
     surface_albedo : float or array_like of shape (3,), optional
-        Surface albedo where nothing white is seen, in (0, 1); by default 0.7.
+        Surface albedo where nothing white is seen, in (0, 1); by default it is not known, and intervals hold 0.1 to 0.98.
     region : (int, int, int, int), optional
-        Part of the photograph to measure; by default all of it.
+        Part of the photograph to measure; by default all of it but the white card.
     edge : array_like of shape (4,), optional
         Two points of the card's edge, x0, y0, x1, y1; found by default.
     center : array_like of shape (2,), optional

@@ -48,9 +48,28 @@ def profile(profile, r=None, quantity="eval", ax=None, **line):
         ax = plt.figure(layout="constrained").add_subplot()
     # The radius goes along a new last axis, the profiles along the others.
     values = getattr(profile, quantity)(r.reshape((-1,) + (1,) * len(profile.shape)))
-    ax.plot(r, np.reshape(values, (len(r), -1)), **line)
+    lines = ax.plot(r, np.reshape(values, (len(r), -1)), **line)
+    if "label" not in line:
+        for drawn, label in zip(lines, _labels(profile)):
+            drawn.set_label(label)
     ax.set_xlabel("radius r")
     ax.set_ylabel(LABELS[quantity])
     if quantity in LOGARITHMIC:
         ax.set_yscale("log")
     return ax
+
+
+def _labels(profile):
+    """What tells the lines of a profile apart: the parameters that differ, or the model."""
+    shape = profile.shape
+    count = int(np.prod(shape))
+    varied = {}
+    for name in ("surface_albedo", "mfp", "dmfp", "g", "eta"):
+        values = getattr(profile, name, None)
+        values = None if values is None else np.broadcast_to(values, shape).reshape(-1)
+        if values is not None and count > 1 and np.ptp(values) > 0:
+            varied[name.replace("_", " ")] = values
+    plain = profile.model or "profile"
+    if not varied:
+        return [plain] * count
+    return [", ".join(f"{name} {values[i]:.3g}" for name, values in varied.items()) for i in range(count)]

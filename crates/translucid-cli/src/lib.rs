@@ -31,8 +31,10 @@ mod table;
 mod view;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::builder::UnknownArgumentValueParser;
+use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::failure::Failure;
@@ -40,10 +42,10 @@ use crate::messages::Verbosity;
 
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
-/// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in less
-/// than a minute on two cores; after Ctrl-C, --resume continues it.
+/// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in about a
+/// minute on two cores; after Ctrl-C, --resume continues it.
 #[derive(Parser)]
-#[command(name = "translucid", version, after_help = EXAMPLES)]
+#[command(name = "translucid", version, after_help = EXAMPLES, override_usage = "translucid [OPTIONS] [COMMAND]")]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
@@ -111,7 +113,8 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     let matches = with_foreign_options(Cli::command()).try_get_matches_from(&words);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(answer) => {
+        Err(mut answer) => {
+            suggest_render(&mut answer);
             // Help and versions are such an answer, too
             if let Err(error) = answer.print()
                 && error.kind() != std::io::ErrorKind::BrokenPipe
@@ -163,8 +166,52 @@ const FOREIGN_OPTIONS: [(&str, &str); 6] = [
     ("width", "--size"),
 ];
 
-/// The command, which refuses other renderers' options with a hint.
+/// Suggests `render` where a file stands in the place of a verb.
+fn suggest_render(error: &mut clap::Error) {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return };
+    if Path::new(word).extension().is_some() {
+        let tip = format!("to render it: translucid render {word}");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+}
+
+/// The command as users see it: the paragraphs at the end of its help are as wide as the terminal.
 fn with_foreign_options(command: Command) -> Command {
+    with_paragraphs(with_hints(command))
+}
+
+/// Joins the lines of paragraphs, which are as long as those of this program's text; clap breaks them.
+fn with_paragraphs(command: Command) -> Command {
+    let joined = |text: &clap::builder::StyledStr| {
+        let text = text.to_string();
+        let mut whole = String::new();
+        let mut is_open = false;
+        for line in text.lines() {
+            let is_prose = !line.is_empty() && !line.starts_with(' ');
+            whole += if whole.is_empty() {
+                ""
+            } else if is_open && is_prose {
+                " "
+            } else {
+                "\n"
+            };
+            whole += line;
+            is_open = is_prose && line.chars().count() > FULL_LINE;
+        }
+        whole
+    };
+    command.mut_subcommands(|verb| {
+        let [short, long] = [verb.get_after_help(), verb.get_after_long_help()].map(|text| text.map(joined));
+        let verb = if let Some(text) = short { verb.after_help(text) } else { verb };
+        if let Some(text) = long { verb.after_long_help(text) } else { verb }
+    })
+}
+
+/// Characters beyond which the next line of a text goes on with the same paragraph.
+const FULL_LINE: usize = 90;
+
+/// The command, which refuses other renderers' options with a hint.
+fn with_hints(command: Command) -> Command {
     let option = |(name, own): (&'static str, &'static str)| {
         Arg::new(name).long(name).hide(true).value_parser(UnknownArgumentValueParser::suggest_arg(own))
     };

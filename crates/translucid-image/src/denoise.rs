@@ -167,8 +167,8 @@ impl Denoiser {
 /// The error of a library that is not there, or is another one.
 fn not_found(message: String) -> OutputError {
     OutputError::without_file(message).with_help(format!(
-        "install Open Image Denoise (https://www.openimagedenoise.org), or set {DENOISER_VARIABLE} to the path of its \
-         library"
+        "install Open Image Denoise (https://www.openimagedenoise.org; pip install pyoidn has it, too, in its folder \
+         oidn/lib), or set {DENOISER_VARIABLE} to the path of its library or of the folder"
     ))
 }
 

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use glam::{EulerRot, Mat3, Vec3};
 use translucid_profile::convention::preset;
 use translucid_scene::{
-    Camera, CameraVisibility, ColorInput, Film, Material, Object, Place, Scene, SceneError, Unit, Warning,
+    Camera, CameraVisibility, ColorInput, Film, Material, Object, Place, ScalarInput, Scene, SceneError,
+    Unit, Warning,
 };
 
 use super::extent::warn_of_extent;
 use super::mesh_file::{MeshFile, NamedCamera};
 use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
 use super::{Floor, LoadOptions};
+use crate::appearance::warn_of_darkened;
 use crate::loading::Loading;
 use crate::model::{is_gltf, load_model};
 use crate::stage::{BackdropShape, Stage};
@@ -34,6 +36,9 @@ pub(super) fn load_bare_mesh(
     let mut model = load_model(path, loading)?;
     // Meters in glTF, by its specification; millimeters where the format says nothing.
     let unit = options.unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { Unit::Millimeter });
+    if wanted.is_none() {
+        warn_of_darkened(&model, path, loading.warnings);
+    }
     if let Some(preset) = wanted {
         use_preset(&mut model, &Material::of_preset(preset, unit));
     } else if model.materials.is_empty() {
@@ -68,7 +73,7 @@ fn up_axis(path: &Path, model: &MeshFile, options: &LoadOptions, warnings: &mut 
     }
 }
 
-/// The preset's substance for all objects; what the file says of their geometry stays.
+/// The preset's substance for all objects, opacity included; what pictures in the file say of their geometry stays.
 fn use_preset(model: &mut MeshFile, preset: &Material) {
     if model.materials.is_empty() {
         model.objects.iter_mut().for_each(|object| object.material = 0);
@@ -77,7 +82,10 @@ fn use_preset(model: &mut MeshFile, preset: &Material) {
     for material in &mut model.materials {
         *material = Material {
             geometry_normal: material.geometry_normal,
-            geometry_opacity: material.geometry_opacity,
+            geometry_opacity: ScalarInput {
+                texture: material.geometry_opacity.texture,
+                ..preset.geometry_opacity
+            },
             ..preset.clone()
         };
     }
@@ -190,7 +198,7 @@ mod tests {
     use std::path::PathBuf;
 
     use tempfile::TempDir;
-    use translucid_scene::{ScalarInput, SubsurfaceModel};
+    use translucid_scene::SubsurfaceModel;
 
     use super::*;
     use crate::{Viewpoint, load_scene};
@@ -241,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn bare_mesh_preset_replaces_substance_and_keeps_opacity() {
+    fn bare_mesh_preset_replaces_substance_and_opacity() {
         let library = "newmtl glass\nKd 1 0 0\nd 0.5\n";
         let (folder, path) = file("a.obj", &format!("mtllib a.mtl\nusemtl glass\n{TETRAHEDRON}"));
         std::fs::write(folder.path().join("a.mtl"), library).unwrap();
@@ -250,7 +258,8 @@ mod tests {
         assert_eq!(own.name, "glass");
         let scene = load_scene(&path, &options("jade", None), &mut Vec::new()).unwrap();
         let jade = &scene.materials[scene.objects[0].material];
-        assert_eq!((jade.name.as_str(), jade.geometry_opacity), ("jade", own.geometry_opacity));
+        assert_eq!(own.geometry_opacity, ScalarInput::constant(0.5));
+        assert_eq!((jade.name.as_str(), jade.geometry_opacity), ("jade", ScalarInput::constant(1.0)));
     }
 
     #[test]
@@ -277,7 +286,7 @@ mod tests {
     }
 
     /// A pyramid on the plane z = 0, half as large again in height.
-    const STANDING: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    const STANDING: &str = "s 1\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
 
     #[test]
     fn bare_mesh_is_turned_up_by_wish_or_where_it_stands_on_the_plane_of_z() {
@@ -395,18 +404,18 @@ mod tests {
 
     #[test]
     fn files_that_are_no_scenes_are_refused() {
-        for (name, message) in [
-            ("a.fbx", "a .fbx file is neither a scene nor a mesh"),
-            ("a", "a file without extension is neither a scene nor a mesh"),
+        let formats = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
+        let export = format!("export glTF (.glb) from the program that wrote it, or from Blender; {formats}");
+        for (name, message, help) in [
+            ("a.fbx", "a .fbx file is neither a scene nor a mesh", export.as_str()),
+            ("a.xyz", "a .xyz file is neither a scene nor a mesh", formats),
+            ("a", "a file without extension is neither a scene nor a mesh", formats),
         ] {
             let (_folder, path) = file(name, "");
             let error = refuse(&path, &LoadOptions::default());
             assert_eq!(error.message, message);
             assert_eq!(error.place.unwrap().path, path);
-            assert_eq!(
-                error.help.as_deref(),
-                Some("scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl")
-            );
+            assert_eq!(error.help.as_deref(), Some(help));
         }
         for name in ["absent.toml", "absent.ply", "absent.obj", "absent.glb"] {
             let error = refuse(Path::new(name), &LoadOptions::default());

@@ -12,11 +12,14 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod appearance;
 mod bare_mesh;
+mod creases;
 mod extent;
 mod file;
 mod gltf;
 mod image;
+mod kinds;
 mod load_scene;
 mod loading;
 mod materialx;
@@ -31,6 +34,7 @@ mod orientation;
 mod origin;
 mod ply;
 mod polygon;
+mod primaries;
 mod profile_table;
 mod shared_mesh;
 mod stage;
@@ -39,6 +43,8 @@ mod stl;
 mod toml;
 mod viewpoint;
 mod watch;
+mod weld;
+mod winding;
 
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use translucid_scene::{Scene, SceneError, Warning};
 
+use crate::appearance::warn_of_appearance;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::extension;
+use crate::kinds::count_kinds;
 use crate::loading::Loading;
 use crate::options::LoadOptions;
 use crate::toml::SceneFile;
@@ -21,14 +23,24 @@ pub fn load_scene(
     options: &LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Scene, SceneError> {
-    if extension(path) != "toml" {
+    let before = warnings.len();
+    let scene = read_scene(path, options, warnings);
+    count_kinds(warnings, before);
+    let scene = scene?;
+    warn_of_appearance(&scene, path, warnings);
+    Ok(scene)
+}
+
+fn read_scene(path: &Path, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
+    if extension(path) == "toml" {
+        let file = SceneFile::read(path)?;
+        refuse_mesh_options(path, &file, options)?;
+        file.load(options, warnings)
+    } else {
         let mut loading = Loading::new(&options.watch, warnings);
         let scene = load_bare_mesh(path, options, &mut loading)?;
-        return Ok(Scene { files: loading.into_files(), ..scene });
+        Ok(Scene { files: loading.into_files(), ..scene })
     }
-    let file = SceneFile::read(path)?;
-    refuse_mesh_options(path, &file, options)?;
-    file.load(options, warnings)
 }
 
 /// A scene file states its own materials and unit.

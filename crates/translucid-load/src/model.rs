@@ -2,17 +2,35 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-use translucid_scene::{Mesh, Object, Place, SceneError, Unit};
+use glam::{Affine2, DVec3, Vec3};
+use translucid_scene::{
+    ColorInput, ColorSpace, ImageKind, Material, Mesh, Object, Place, SceneError, TextureRef, Unit, Warning,
+    Wrap,
+};
 
 use crate::file::{extension, stem};
 use crate::gltf::read_gltf;
+use crate::image::read_image;
 use crate::loading::Loading;
 use crate::mesh_file::MeshFile;
 use crate::obj::read_obj;
 use crate::origin::settle;
-use crate::ply::read_ply;
+use crate::ply::{PlyFile, read_ply};
 use crate::stl::read_stl;
+
+/// The formats of meshes, as messages list them.
+pub(crate) const MESHES: &str = ".glb, .gltf, .obj, .ply or .stl";
+
+/// Formats of scenes and solids that other programs write.
+const FOREIGN: [&str; 17] = [
+    "3ds", "3mf", "abc", "amf", "dae", "fbx", "iges", "igs", "max", "off", "step", "stp", "usd", "usda",
+    "usdc", "usdz", "x3d",
+];
+
+/// Returns `true` if the file's extension is that of a mesh format.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "glb" | "gltf" | "obj" | "ply" | "stl")
+}
 
 pub(crate) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "gltf" | "glb")
@@ -37,15 +55,75 @@ fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneE
         MeshFile { origin, objects: vec![object], ..MeshFile::default() }
     };
     if extension(path) == "ply" {
-        return read_ply(&loading.read(path)?, path, loading.warnings).map(of_one_object);
+        let PlyFile { mesh, origin, picture } = read_ply(&loading.read(path)?, path, loading.warnings)?;
+        let has_coordinates = !mesh.uvs.is_empty();
+        let mut model = of_one_object((mesh, origin));
+        if let Some(name) = picture.filter(|_| has_coordinates) {
+            add_picture(&mut model, &path.with_file_name(name), path, loading);
+        }
+        return Ok(model);
     }
     if extension(path) == "stl" {
         return read_stl(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
-    let message = match extension(path).as_str() {
+    let extension = extension(path);
+    let message = match extension.as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),
         other => format!("a .{other} file is neither a scene nor a mesh"),
     };
-    let help = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
+    let formats = format!("scenes are .toml, meshes are {MESHES}");
+    let help = match extension.as_str() {
+        "blend" => format!("export glTF (.glb) from Blender, or render there with the extension; {formats}"),
+        other if FOREIGN.contains(&other) => {
+            format!("export glTF (.glb) from the program that wrote it, or from Blender; {formats}")
+        }
+        _ => formats,
+    };
     Err(SceneError::at(Place::file(path), message).with_help(help))
+}
+
+/// Gives a model a material that shows a picture; one that cannot be read is told of.
+fn add_picture(model: &mut MeshFile, picture: &Path, path: &Path, loading: &mut Loading<'_>) {
+    match read_image(picture, ImageKind::Color(ColorSpace::Srgb), loading) {
+        Ok(image) => {
+            let texture = TextureRef { image: 0, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] };
+            let base_color = ColorInput { texture: Some(texture), ..ColorInput::constant(Vec3::ONE) };
+            model.images.push(image);
+            model.materials.push(Material { name: stem(path), base_color, ..Material::default() });
+        }
+        Err(error) => {
+            let message = format!("the mesh is used without its picture: {error}");
+            loading.warnings.push(Warning { message, place: Some(Place::file(path)) });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As MeshLab names it.
+    #[test]
+    fn ply_shows_the_picture_of_its_comment() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ply");
+        let text = "ply\nformat ascii 1.0\ncomment TextureFile a b.png\nelement vertex 3\nproperty float x\n\
+            property float y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\n\
+            property list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n";
+        std::fs::write(&path, text).unwrap();
+        let load = || {
+            let mut warnings = Vec::new();
+            let model = load_model(&path, &mut Loading::unwatched(&mut warnings)).unwrap();
+            (model, warnings.iter().map(ToString::to_string).collect::<String>())
+        };
+        let (model, warnings) = load();
+        assert!(model.materials.is_empty() && warnings.contains("without its picture"), "{warnings}");
+        let mut bytes = Vec::new();
+        let encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&[9])).unwrap();
+        std::fs::write(folder.path().join("a b.png"), bytes).unwrap();
+        let (model, warnings) = load();
+        assert_eq!((model.images.len(), warnings.as_str()), (1, ""));
+        assert!(model.materials[0].base_color.texture.is_some());
+    }
 }

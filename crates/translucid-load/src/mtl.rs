@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{Affine2, Vec2, Vec3};
 use translucid_scene::{
-    Channel, ColorInput, ColorSpace, Image, Interval, Material, NormalMap, Pixels, Place, ScalarInput,
-    SceneError, TextureRef, Warning, Wrap,
+    Channel, ColorInput, ColorSpace, Image, ImageKind, Interval, Material, NormalMap, Pixels, Place,
+    ScalarInput, SceneError, TextureRef, Warning, Wrap,
 };
 
 use super::image::read_image;
@@ -19,7 +19,7 @@ const EXPONENT: Interval = Interval::closed(0.0, f32::MAX as f64);
 #[derive(Debug, Default)]
 pub(super) struct ImagePool {
     images: Vec<Image>,
-    numbers: HashMap<(PathBuf, bool), Option<usize>>,
+    numbers: HashMap<(PathBuf, ImageKind), Option<usize>>,
 }
 
 impl ImagePool {
@@ -31,15 +31,15 @@ impl ImagePool {
     fn get(
         &mut self,
         path: PathBuf,
-        color_space: ColorSpace,
+        kind: ImageKind,
         place: Place,
         loading: &mut Loading<'_>,
     ) -> Option<usize> {
-        let key = (path, color_space == ColorSpace::Srgb);
+        let key = (path, kind);
         if let Some(&known) = self.numbers.get(&key) {
             return known;
         }
-        let number = match read_image(&key.0, color_space, loading) {
+        let number = match read_image(&key.0, kind, loading) {
             Ok(image) => {
                 self.images.push(image);
                 Some(self.images.len() - 1)
@@ -59,12 +59,13 @@ impl ImagePool {
 ///
 /// | MTL | material |
 /// |---|---|
-/// | Kd, map_Kd | `base_color`; a map alone is not darkened: Blender leaves out Kd beside it |
+/// | Kd, map_Kd | `base_color`; a map alone is not darkened: Blender leaves out Kd beside it; nor is one beside a black Kd, which Maya writes |
 /// | Ks, map_Ks | `specular_color`, and `specular_weight` = 2 max Ks, at most 1: ½ is what exporters write for an ordinary dielectric |
 /// | Ns | `specular_roughness` = (2/(Ns + 2))^¼ (B. Walter et al. 2007, equation 35 and below: the width is its square) |
 /// | Pr, map_Pr, Pm, map_Pm, Pc, Pcr | `specular_roughness`, `base_metalness`, `coat_weight`, `coat_roughness` |
 /// | Ni | `specular_ior` |
-/// | d, Tr, map_d | `geometry_opacity`; for the glass models (illum 4, 6, 7, 9) `transmission_weight` = 1 − d |
+/// | d, Tr, map_d | `geometry_opacity`; for the glass models (illum 4, 6, 7, 9) `transmission_weight` = 1 − d. Tr = 1 − d counts where there is no d, and Tr 1 is what exporters write for an opaque material |
+/// | illum 6, 7 | without d, `transmission_weight` = 1 if Ni is above 1 and Kd black, as of glass; else the model is opaque: Maya writes illum 4 for that |
 /// | Tf | `transmission_color` of a glass model |
 /// | Ke, map_Ke | emission |
 /// | norm, and bump or map_bump if the image looks like a normal map | `geometry_normal` |
@@ -91,48 +92,106 @@ pub(super) fn parse_mtl(
                 .map_err(|m| SceneError::at(place.clone(), m))?;
         }
     }
-    Ok(materials.into_iter().map(Draft::finish).collect())
+    let mut notes = Notes::default();
+    let materials = materials.into_iter().map(|draft| draft.finish(&mut notes)).collect();
+    notes.warn(path, loading.warnings);
+    Ok(materials)
+}
+
+/// Names of materials of which something is to be told.
+#[derive(Default)]
+struct Notes {
+    black: Vec<String>,
+    transparent: Vec<String>,
+    glass: Vec<String>,
+}
+
+impl Notes {
+    /// One warning of a kind, whatever the number of materials.
+    fn warn(self, path: &Path, warnings: &mut Vec<Warning>) {
+        let mut warn = |names: &[String], message: &str| {
+            let name = match names {
+                [] => return,
+                [name] => format!("material \"{name}\""),
+                [name, ..] => format!("{} materials, \"{name}\" and others", names.len()),
+            };
+            let message = message.replace("NAME", &name);
+            warnings.push(Warning { message, place: Some(Place::file(path)) });
+        };
+        warn(&self.black, "the black Kd beside the map_Kd of NAME is left out: it would hide the picture");
+        warn(
+            &self.transparent,
+            "Tr 1 without a d would hide NAME: taken as opaque, as most programs mean it (d 0 is wholly transparent)",
+        );
+        warn(
+            &self.glass,
+            "illum 6 or 7 of NAME is refraction, but Kd is not black and there is no d: taken as opaque (d 0 is glass)",
+        );
+    }
 }
 
 /// A material whose lines are being read, with the values whose meaning depends on others.
 struct Draft {
     material: Material,
-    opacity: f32,
+    /// By d and by Tr.
+    opacity: Option<f32>,
+    transparency: Option<f32>,
     transmission_color: Vec3,
     illumination: u32,
     has_color: bool,
     has_roughness: bool,
+    has_index: bool,
 }
 
 impl Draft {
     fn new(name: &str) -> Self {
         Self {
             material: Material { name: name.to_owned(), ..Material::default() },
-            opacity: 1.0,
+            opacity: None,
+            transparency: None,
             transmission_color: Vec3::ONE,
             illumination: 2,
             has_color: false,
             has_roughness: false,
+            has_index: false,
         }
     }
 
-    fn finish(mut self) -> Material {
-        match self.illumination {
-            // Models without a highlight.
-            0 | 1 => self.material.specular_weight = ScalarInput::constant(0.0),
-            // Models with "transparency: glass".
-            4 | 6 | 7 | 9 => {
-                let clear = if self.opacity < 1.0 { 1.0 - self.opacity } else { 1.0 };
+    fn finish(mut self, notes: &mut Notes) -> Material {
+        let color = &mut self.material.base_color;
+        let is_black = color.factor == Vec3::ZERO;
+        if color.texture.is_some() && (!self.has_color || is_black) {
+            color.factor = Vec3::ONE;
+            notes.black.extend(is_black.then(|| self.material.name.clone()));
+        }
+        let stated = match (self.opacity, self.transparency) {
+            (None, Some(1.0)) => {
+                notes.transparent.push(self.material.name.clone());
+                None
+            }
+            (opacity, transparency) => opacity.or(transparency.map(|transparency| 1.0 - transparency)),
+        };
+        let mut opacity = stated.unwrap_or(1.0);
+        // Models without a highlight.
+        if matches!(self.illumination, 0 | 1) {
+            self.material.specular_weight = ScalarInput::constant(0.0);
+        }
+        // Models with "transparency: glass", which programs also write for what is opaque.
+        if matches!(self.illumination, 4 | 6 | 7 | 9) {
+            let refracts =
+                matches!(self.illumination, 6 | 7) && self.has_index && self.material.specular_ior > 1.0;
+            let is_glass = stated.is_none() && refracts && is_black;
+            if stated.is_none() && refracts && !is_black {
+                notes.glass.push(self.material.name.clone());
+            }
+            let clear = if is_glass { 1.0 } else { 1.0 - opacity };
+            if clear > 0.0 {
                 self.material.transmission_weight = ScalarInput::constant(clear);
                 self.material.transmission_color = ColorInput::constant(self.transmission_color);
-                self.opacity = 1.0;
+                opacity = 1.0;
             }
-            _ => (),
         }
-        self.material.geometry_opacity.factor = self.opacity;
-        if self.material.base_color.texture.is_some() && !self.has_color {
-            self.material.base_color.factor = Vec3::ONE;
-        }
+        self.material.geometry_opacity.factor = opacity;
         self.material
     }
 }
@@ -178,9 +237,12 @@ impl LineReader<'_, '_> {
             "pm" => material.base_metalness.factor = self.scalar(rest, Interval::UNIT)?,
             "pc" => material.coat_weight.factor = self.scalar(rest, Interval::UNIT)?,
             "pcr" => material.coat_roughness.factor = self.scalar(rest, Interval::UNIT)?,
-            "ni" => material.specular_ior = self.scalar(rest, Interval::IOR)?,
-            "d" => draft.opacity = self.scalar(rest.trim_start_matches("-halo"), Interval::UNIT)?,
-            "tr" => draft.opacity = 1.0 - self.scalar(rest, Interval::UNIT)?,
+            "ni" => {
+                draft.has_index = true;
+                material.specular_ior = self.scalar(rest, Interval::IOR)?;
+            }
+            "d" => draft.opacity = Some(self.scalar(rest.trim_start_matches("-halo"), Interval::UNIT)?),
+            "tr" => draft.transparency = Some(self.scalar(rest, Interval::UNIT)?),
             "illum" => {
                 draft.illumination = rest
                     .parse()
@@ -233,9 +295,11 @@ impl LineReader<'_, '_> {
     }
 
     fn map(&mut self, keyword: &str, rest: &str, draft: &mut Draft) {
-        let color_space = match keyword {
-            "map_kd" | "map_ks" | "map_ke" => ColorSpace::Srgb,
-            "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => ColorSpace::Linear,
+        let kind = match keyword {
+            "map_kd" | "map_ks" | "map_ke" => ImageKind::Color(ColorSpace::Srgb),
+            "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => {
+                ImageKind::Plain(ColorSpace::Linear)
+            }
             "map_ka" => return, // Ambient light is what the renderer computes.
             _ => return self.warn(format!("{keyword} has no counterpart: passed over")),
         };
@@ -245,7 +309,7 @@ impl LineReader<'_, '_> {
         }
         options.bump = self.within(options.bump, NormalMap::SCALE);
         let path = self.path.with_file_name(options.file.replace('\\', "/"));
-        let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.loading) else { return };
+        let Some(image) = self.pool.get(path, kind, self.place.clone(), self.loading) else { return };
         let texture = options.texture(image);
         let scalar = |channel| Some((texture, channel));
         let material = &mut draft.material;
@@ -443,6 +507,50 @@ mod tests {
         let m = material("illum 7\nd .1\nTf .9 1 1\nNi 1.5\n");
         assert_eq!((m.transmission_weight.factor, m.geometry_opacity.factor), (0.9, 1.0));
         assert_eq!(m.transmission_color.factor, Vec3::new(0.9, 1.0, 1.0));
+    }
+
+    /// Maya writes an opaque Lambert so, and Poly a textured one.
+    #[test]
+    fn mtl_of_a_glass_model_is_opaque_unless_something_says_glass() {
+        for model in [4, 6, 7, 9] {
+            for rest in ["", "Ni 1.00\n", "d 1\nNi 1.5\n", "Tr 0\nNi 1.5\n"] {
+                let m = material(&format!("illum {model}\nKd .5 .5 .5\nTf 1 1 1\n{rest}"));
+                assert_eq!((m.transmission_weight.factor, m.geometry_opacity.factor), (0.0, 1.0), "{rest}");
+            }
+            let m = material(&format!("illum {model}\nd 0\nNi 1.5\n"));
+            assert_eq!((m.transmission_weight.factor, m.geometry_opacity.factor), (1.0, 1.0));
+        }
+        assert_eq!(material("illum 7\nKd 0 0 0\nNi 1.5\n").transmission_weight.factor, 1.0);
+        let (materials, warnings) = parsed("newmtl a\nillum 7\nKd 1 1 1\nNi 1.5\n").unwrap();
+        assert_eq!(materials[0].transmission_weight.factor, 0.0);
+        assert!(warnings.contains("illum 6 or 7 of material \"a\" is refraction"), "{warnings}");
+    }
+
+    /// As in tinyobjloader d counts before Tr; OpenMVS and others write Tr 1 for what is opaque.
+    #[test]
+    fn mtl_opacity_is_that_of_d_and_tr_1_alone_hides_nothing() {
+        for lines in ["d 1\nTr 1\n", "Tr 1\nd 1\n"] {
+            assert_eq!(material(lines).geometry_opacity.factor, 1.0);
+        }
+        assert_eq!(material("Tr .1\nd .5\n").geometry_opacity.factor, 0.5);
+        let (materials, warnings) = parsed("newmtl a\nTr 1\nnewmtl b\nTr 1.0\n").unwrap();
+        assert!(materials.iter().all(|m| m.geometry_opacity.factor == 1.0));
+        assert!(
+            warnings.starts_with("a.mtl: Tr 1 without a d would hide 2 materials, \"a\" and others: "),
+            "{warnings}"
+        );
+        assert_eq!(warnings.lines().count(), 1);
+    }
+
+    #[test]
+    fn mtl_black_beside_a_map_is_left_out_and_told_of() {
+        let (scene, warnings) = loaded("Kd 0 0 0\nmap_Kd grey.png\n");
+        assert_eq!(scene.materials[0].base_color.factor, Vec3::ONE);
+        assert!(
+            warnings.contains("the black Kd beside the map_Kd of material \"m\" is left out"),
+            "{warnings}"
+        );
+        assert_eq!(material("Kd 0 0 0\n").base_color.factor, Vec3::ZERO);
     }
 
     #[test]

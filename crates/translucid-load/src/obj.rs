@@ -4,21 +4,30 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec2, Vec3};
-use translucid_scene::{Material, Mesh, Object, Place, SceneError, Warning, repair_mesh};
+use translucid_scene::{
+    Material, Object, Place, SceneError, Triangle, Warning, linear_from_srgb, repair_mesh,
+};
 
 use super::MeshFile;
 use super::mtl::{ImagePool, parse_mtl};
 use super::polygon::triangulate;
+use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::stem;
 use crate::loading::Loading;
 use crate::origin::Anchor;
+use crate::weld::{Corner, NONE, Tables, Welder};
+use crate::winding::{reversed, warn_of_turned};
 
 /// Loads an OBJ mesh with its material libraries and their images.
 ///
 /// Polygons are cut into triangles.
-/// Corners without a normal get the smooth normal of their position, over all parts and texture seams;
-/// smoothing groups are passed over, and so are lines, curves and free-form surfaces.
-/// Vertex colors (`v x y z r g b`) are linear.
+/// Corners without a normal get the smooth normal of their position, over all parts and texture seams: within a smoothing
+/// group (`s 1`) whatever the angle, without one (`s off`) never, and in a file that says nothing across edges of less
+/// than 60°.
+/// Triangles of a closed body that wind the other way than the rest are turned, with a warning.
+/// Vertex colors (`v x y z r g b` and perhaps an opacity, which is passed over) are sRGB, as MeshLab and trimesh write
+/// them; those from 0 to 255 are known by a value above 1.
+/// Lines, curves and free-form surfaces are passed over.
 /// A library, material or image that is missing adds a warning.
 ///
 /// # Errors
@@ -62,38 +71,28 @@ fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFil
     file.into_scene(path, loading)
 }
 
-/// No index.
-const NONE: u32 = u32::MAX;
 /// An index that points nowhere, whatever the file still holds.
 const BROKEN: u32 = u32::MAX - 1;
-
-/// A vertex of a face: indices from 0, or [`NONE`], or out of range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Corner {
-    position: u32,
-    uv: u32,
-    normal: u32,
-}
 
 /// Faces of one part, as they are read.
 #[derive(Debug)]
 struct Faces {
     name: String,
     material: Option<String>,
+    /// Their indices are from 0, or [`NONE`], or out of range.
     triangles: Vec<[Corner; 3]>,
+    smoothing: Vec<Smoothing>,
 }
 
 /// The tables of the file.
 #[derive(Debug, Default)]
 struct ObjFile {
-    positions: Vec<Vec3>,
+    /// Colors are as many as positions or fewer: the rest is white.
+    tables: Tables,
     /// Where the positions are counted from.
     anchor: Anchor,
-    /// As long as `positions` or shorter: the rest is white.
-    colors: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    normals: Vec<Vec3>,
     faces: Vec<Faces>,
+    smoothing: Smoothing,
     /// Number of each part in `faces`.
     numbers: HashMap<(String, Option<String>), usize>,
     /// Where the next face goes, once known.
@@ -119,15 +118,19 @@ impl ObjFile {
             b"v" => self.read_vertex(rest),
             b"vt" => {
                 let ([u, v, ..], _) = numbers(rest, 1..=3)?;
-                self.uvs.push(Vec2::new(u as f32, v as f32));
+                self.tables.uvs.push(Vec2::new(u as f32, v as f32));
                 Ok(())
             }
             b"vn" => {
                 let ([x, y, z, ..], _) = numbers(rest, 3..=3)?;
-                self.normals.push(DVec3::new(x, y, z).as_vec3());
+                self.tables.normals.push(DVec3::new(x, y, z).as_vec3());
                 Ok(())
             }
             b"f" => self.read_face(rest, number),
+            b"s" => {
+                self.smoothing = smoothing(rest);
+                Ok(())
+            }
             b"o" => {
                 self.has_objects = true;
                 self.begin_object(name(rest));
@@ -157,14 +160,15 @@ impl ObjFile {
         self.current = None;
     }
 
-    /// Position, then perhaps a weight, then perhaps a color.
+    /// Position, then perhaps a color, or a weight, which is one of curves. After a color there may be an opacity.
     fn read_vertex(&mut self, rest: &[u8]) -> Result<(), String> {
         let (v, count) = numbers(rest, 3..=7)?;
+        let Tables { positions, colors, .. } = &mut self.tables;
         if count >= 6 {
-            self.colors.resize(self.positions.len(), Vec3::ONE);
-            self.colors.push(DVec3::from_slice(&v[count - 3..]).as_vec3());
+            colors.resize(positions.len(), Vec3::ONE);
+            colors.push(DVec3::from_slice(&v[3..6]).as_vec3());
         }
-        self.positions.push(self.anchor.relative(DVec3::from_slice(&v)));
+        positions.push(self.anchor.relative(DVec3::from_slice(&v)));
         Ok(())
     }
 
@@ -178,9 +182,11 @@ impl ObjFile {
             self.slivers += 1;
         } else {
             let part = self.part();
-            let Self { positions, faces, .. } = self;
-            let position = |corner: Corner| positions.get(corner.position as usize).copied();
-            triangulate(&polygon, position, |triangle| faces[part].triangles.push(triangle));
+            let Self { tables, faces, .. } = self;
+            let position = |corner: Corner| tables.positions.get(corner.position as usize).copied();
+            let faces = &mut faces[part];
+            triangulate(&polygon, position, |triangle| faces.triangles.push(triangle));
+            faces.smoothing.resize(faces.triangles.len(), self.smoothing);
         }
         self.polygon = polygon;
         Ok(())
@@ -192,7 +198,7 @@ impl ObjFile {
             let key = (self.object.clone(), self.material.clone());
             *self.numbers.entry(key).or_insert_with(|| {
                 let (name, material) = (self.object.clone(), self.material.clone());
-                self.faces.push(Faces { name, material, triangles: Vec::new() });
+                self.faces.push(Faces { name, material, triangles: Vec::new(), smoothing: Vec::new() });
                 self.faces.len() - 1
             })
         })
@@ -200,7 +206,8 @@ impl ObjFile {
 
     /// Parses "position", "position/uv", "position//normal" or "position/uv/normal".
     fn corner(&mut self, word: &[u8], line: usize) -> Result<Corner, String> {
-        let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        let Tables { positions, uvs, normals, .. } = &self.tables;
+        let counts = [positions.len(), uvs.len(), normals.len()];
         let mut found = [NONE; 3];
         for (i, text) in word.split(|&byte| byte == b'/').enumerate() {
             let slot = found.get_mut(i).filter(|_| i > 0 || !text.is_empty());
@@ -213,16 +220,14 @@ impl ObjFile {
             }
         }
         let [position, uv, normal] = found;
-        Ok(Corner { position, uv, normal })
+        Ok(Corner { position, uv, normal, color: position })
     }
 
     fn into_scene(mut self, path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
         if self.faces.is_empty() {
             return Err(SceneError::at(Place::file(path), "has no faces: is it an OBJ mesh?"));
         }
-        if !self.colors.is_empty() {
-            self.colors.resize(self.positions.len(), Vec3::ONE);
-        }
+        self.convert_colors(path, loading.warnings);
         if self.slivers > 0 {
             let message = format!("faces with fewer than three corners: {} left out", self.slivers);
             loading.warnings.push(Warning { message, place: Some(Place::file(path)) });
@@ -269,20 +274,22 @@ impl ObjFile {
 
     /// An object of each part, with the index after the last for those without a material.
     fn build_objects(
-        self,
+        mut self,
         path: &Path,
         materials: &[Material],
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<Object>, SceneError> {
-        let smooth = self.smooth_normals();
-        let mut builder = Builder::new(&self, &smooth);
+        let lost = self.leave_out_beyond();
+        warn_of_turned(self.orient(), &Place::file(path), warnings);
+        self.add_normals();
+        let mut welder = Welder::new(&self.tables);
         let (mut objects, mut fault) = (Vec::new(), None);
         let mut groups = HashMap::new();
         // The last definition of a name counts.
         let named: HashMap<&str, usize> =
             materials.iter().enumerate().map(|(number, material)| (material.name.as_str(), number)).collect();
         for faces in &self.faces {
-            let mut mesh = builder.build(faces);
+            let mut mesh = welder.weld(faces.triangles.iter().copied());
             match repair_mesh(&mut mesh, &Place::file(path), warnings) {
                 Ok(()) => {
                     let name = faces.material.as_deref();
@@ -306,7 +313,7 @@ impl ObjFile {
             }
         }
         let place = self.first_beyond.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-        let messages = builder.messages();
+        let messages = messages(lost);
         match fault {
             Some(error) if objects.is_empty() => {
                 let reason = messages.first().unwrap_or(&error.message);
@@ -318,113 +325,122 @@ impl ObjFile {
         Ok(objects)
     }
 
-    /// Smooth normals for each position, if any corner needs them.
-    fn smooth_normals(&self) -> Vec<Vec3> {
-        let lacking = |corner: &Corner| corner.normal as usize >= self.normals.len();
-        let triangles = || self.faces.iter().flat_map(|faces| &faces.triangles);
-        if !triangles().flatten().any(lacking) {
-            return Vec::new();
+    /// Colors as they are meant.
+    fn convert_colors(&mut self, path: &Path, warnings: &mut Vec<Warning>) {
+        let colors = &mut self.tables.colors;
+        let largest = colors.iter().fold(0.0, |largest: f32, color| largest.max(color.max_element()));
+        let is_of_bytes = largest > 1.0;
+        if is_of_bytes {
+            let message =
+                format!("vertex colors reach {largest}, so they are taken for values from 0 to 255");
+            warnings.push(Warning { message, place: Some(Place::file(path)) });
         }
-        let triangles = triangles().map(|triangle| triangle.map(|corner| corner.position)).collect();
-        Mesh { positions: self.positions.clone(), triangles, ..Mesh::default() }.smooth_normals()
+        let scale = if is_of_bytes { 255.0 } else { 1.0 };
+        let linear = |value: f32| linear_from_srgb((value / scale).clamp(0.0, 1.0));
+        colors.iter_mut().for_each(|color| *color = color.map(linear));
+    }
+
+    /// Leaves out triangles, texture coordinates and normals with an index that points nowhere; returns their numbers.
+    fn leave_out_beyond(&mut self) -> [usize; 3] {
+        let mut lost = [0; 3];
+        if self.first_beyond.is_none() {
+            return lost;
+        }
+        let Tables { positions, uvs, normals, .. } = &self.tables;
+        for Faces { triangles, smoothing, .. } in &mut self.faces {
+            let is_there = |triangle: &[Corner; 3]| {
+                triangle.iter().all(|corner| (corner.position as usize) < positions.len())
+            };
+            let mut kept = triangles.iter().map(is_there);
+            smoothing.retain(|_| kept.next().unwrap_or(true));
+            let before = triangles.len();
+            triangles.retain(is_there);
+            lost[0] += before - triangles.len();
+            for corner in triangles.as_flattened_mut() {
+                let kinds = [(&mut corner.uv, uvs.len()), (&mut corner.normal, normals.len())];
+                for ((index, count), lost) in kinds.into_iter().zip(&mut lost[1..]) {
+                    if *index != NONE && *index as usize >= count {
+                        (*index, *lost) = (NONE, *lost + 1);
+                    }
+                }
+            }
+        }
+        lost
+    }
+
+    /// The positions of all triangles.
+    fn triangles(&self) -> Vec<Triangle> {
+        let triangles = self.faces.iter().flat_map(|faces| &faces.triangles);
+        triangles.map(|triangle| triangle.map(|corner| corner.position)).collect()
+    }
+
+    /// Turns triangles of closed bodies that wind the other way than the rest, and leaves out normals of theirs that point
+    /// in; returns how many.
+    fn orient(&mut self) -> usize {
+        let is_turned = reversed(&self.tables.positions, &self.triangles());
+        let Tables { positions, normals, .. } = &self.tables;
+        let mut count = 0;
+        for (triangle, _) in self
+            .faces
+            .iter_mut()
+            .flat_map(|faces| &mut faces.triangles)
+            .zip(is_turned)
+            .filter(|(_, is_turned)| *is_turned)
+        {
+            count += 1;
+            triangle.swap(1, 2);
+            let [a, b, c] = triangle.map(|corner| positions[corner.position as usize]);
+            let outward = (b - a).cross(c - a);
+            for corner in triangle {
+                if normals.get(corner.normal as usize).is_some_and(|normal| normal.dot(outward) < 0.0) {
+                    corner.normal = NONE;
+                }
+            }
+        }
+        count
+    }
+
+    /// Computes the normals of corners that have none.
+    fn add_normals(&mut self) {
+        let lacking = |corner: &Corner| corner.normal == NONE;
+        if !self.faces.iter().any(|faces| faces.triangles.as_flattened().iter().any(lacking)) {
+            return;
+        }
+        let smoothing: Vec<Smoothing> =
+            self.faces.iter().flat_map(|faces| &faces.smoothing).copied().collect();
+        let triangles = self.triangles();
+        let Tables { positions, normals, .. } = &mut self.tables;
+        let found = corner_normals(positions, &triangles, SHARED_CREASE, |number| smoothing[number]);
+        let first = normals.len() as u32;
+        normals.extend(found.normals);
+        let corners = self.faces.iter_mut().flat_map(|faces| faces.triangles.as_flattened_mut());
+        for (corner, number) in corners.zip(found.triangles.into_flattened()) {
+            if corner.normal == NONE {
+                corner.normal = first + number;
+            }
+        }
     }
 }
 
-/// Makes one vertex of each different corner.
-struct Builder<'a> {
-    file: &'a ObjFile,
-    smooth: &'a [Vec3],
-    /// For each position the part that last used it, and its newest vertex there.
-    newest: Vec<(u32, u32)>,
-    part: u32,
-    /// For each vertex of the part its corner, and the next older vertex of the same position.
-    vertices: Vec<(Corner, u32)>,
-    /// Triangles, texture coordinates and normals with an index that points nowhere.
-    lost: [usize; 3],
+/// Things left out, of all parts.
+fn messages(lost: [usize; 3]) -> Vec<String> {
+    let kinds = [
+        "triangles with an index out of range: left out",
+        "corners with a texture coordinate index out of range: set to (0, 0)",
+        "corners with a normal index out of range: normals computed",
+    ];
+    let lost = lost.iter().zip(kinds).filter(|(count, _)| **count > 0);
+    lost.map(|(count, kind)| format!("{count} {kind}")).collect()
 }
 
-impl<'a> Builder<'a> {
-    fn new(file: &'a ObjFile, smooth: &'a [Vec3]) -> Self {
-        Self {
-            file,
-            smooth,
-            newest: vec![(0, NONE); file.positions.len()],
-            part: 0,
-            vertices: Vec::new(),
-            lost: [0; 3],
+/// The smoothing group of a line; group 0 is none.
+fn smoothing(rest: &[u8]) -> Smoothing {
+    match words(rest).next().map(<[u8]>::to_ascii_lowercase).as_deref() {
+        None | Some(b"off" | b"0" | b"null") => Smoothing::Flat,
+        Some(word) => {
+            let number = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+            Smoothing::Group(number.unwrap_or(1)) // "on"
         }
-    }
-
-    fn build(&mut self, faces: &Faces) -> Mesh {
-        self.part += 1;
-        self.vertices.clear();
-        let mut mesh = Mesh::default();
-        mesh.triangles.reserve(faces.triangles.len());
-        for triangle in &faces.triangles {
-            if triangle.iter().all(|corner| (corner.position as usize) < self.file.positions.len()) {
-                let triangle = triangle.map(|corner| self.vertex(corner, &mut mesh));
-                mesh.triangles.push(triangle);
-            } else {
-                self.lost[0] += 1;
-            }
-        }
-        if self.vertices.iter().all(|(corner, _)| corner.uv == NONE) {
-            mesh.uvs = Vec::new();
-        }
-        mesh
-    }
-
-    /// The number of a corner's vertex.
-    fn vertex(&mut self, corner: Corner, mesh: &mut Mesh) -> u32 {
-        let corner = self.checked(corner);
-        let (part, newest) = self.newest[corner.position as usize];
-        let mut candidate = if part == self.part { newest } else { NONE };
-        while let Some(&(other, older)) = self.vertices.get(candidate as usize) {
-            if other == corner {
-                return candidate;
-            }
-            candidate = older;
-        }
-        let number = self.vertices.len() as u32;
-        self.vertices.push((corner, if part == self.part { newest } else { NONE }));
-        self.newest[corner.position as usize] = (self.part, number);
-        self.push(corner, mesh);
-        number
-    }
-
-    /// The corner without indices that point nowhere.
-    fn checked(&mut self, mut corner: Corner) -> Corner {
-        if corner.uv != NONE && corner.uv as usize >= self.file.uvs.len() {
-            corner.uv = NONE;
-            self.lost[1] += 1;
-        }
-        if corner.normal != NONE && corner.normal as usize >= self.file.normals.len() {
-            corner.normal = NONE;
-            self.lost[2] += 1;
-        }
-        corner
-    }
-
-    fn push(&self, corner: Corner, mesh: &mut Mesh) {
-        let position = corner.position as usize;
-        mesh.positions.push(self.file.positions[position]);
-        mesh.uvs.push(self.file.uvs.get(corner.uv as usize).copied().unwrap_or_default());
-        let smooth = || self.smooth.get(position).copied().unwrap_or(Vec3::Z);
-        mesh.normals.push(self.file.normals.get(corner.normal as usize).copied().unwrap_or_else(smooth));
-        if let Some(&color) = self.file.colors.get(position) {
-            mesh.colors.push(color);
-        }
-    }
-
-    /// Things left out, of all parts.
-    fn messages(&self) -> Vec<String> {
-        let kinds = [
-            "triangles with an index out of range: left out",
-            "corners with a texture coordinate index out of range: set to (0, 0)",
-            "corners with a normal index out of range: normals computed",
-        ];
-        let lost = self.lost.iter().zip(kinds).filter(|(count, _)| **count > 0);
-        lost.map(|(count, kind)| format!("{count} {kind}")).collect()
     }
 }
 
@@ -480,6 +496,7 @@ fn index(text: &[u8], count: usize) -> Result<u32, String> {
 
 #[cfg(test)]
 mod tests {
+    use translucid_scene::Mesh;
     use translucid_testing::mutants;
 
     use super::*;
@@ -534,7 +551,7 @@ mod tests {
     #[test]
     fn obj_smooths_across_seams_and_parts_where_normals_are_missing() {
         // A roof of two planes, whose ridge has different texture coordinates and materials on its sides.
-        let text = "v 0 0 0\nv 0 1 0\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\no left\nf 1/1 2/1 4/1\n\
+        let text = "v 0 0 0\nv 0 1 0\nv 2 0 -1\nv -2 0 -1\nvt 0 0\nvt 1 0\no left\nf 1/1 2/1 4/1\n\
             o right\nf 2/2 1/2 3/2\n";
         let (scene, _) = parsed(text).unwrap();
         assert_eq!(scene.objects.len(), 2);
@@ -544,10 +561,59 @@ mod tests {
         }
     }
 
+    /// MeshLab and trimesh write bytes / 255; those behind may be an opacity, and a fourth number is a weight.
     #[test]
-    fn obj_reads_vertex_colors() {
-        let mesh = mesh("v 0 0 0 1 .5 0\nv 1 0 0 1 0 .25 0\nv 0 1 0 1\nf 1 2 3\n");
-        assert_eq!(mesh.colors, [Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.25, 0.0), Vec3::ONE]);
+    fn obj_reads_vertex_colors_as_srgb() {
+        let linear = |rgb: [f32; 3]| Vec3::from(rgb.map(linear_from_srgb));
+        let expected = [linear([1.0, 0.5, 0.0]), linear([0.0, 0.25, 0.0]), Vec3::ONE];
+        let of_units = mesh("v 0 0 0 1 .5 0\nv 1 0 0 0 .25 0 .125\nv 0 1 0 7\nf 1 2 3\n");
+        assert_eq!(of_units.colors, expected);
+        assert_eq!(of_units.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let (scene, warnings) =
+            parsed("v 0 0 0 255 128 0\nv 1 0 0 0 64 0\nv 0 1 0 255 255 255\nf 1 2 3\n").unwrap();
+        let colors = &scene.objects[0].mesh.colors;
+        assert!(colors.iter().zip(expected).all(|(a, b)| a.distance(b) < 5e-3), "{colors:?}");
+        assert!(warnings.contains("vertex colors reach 255, so they are taken for values from 0 to 255"));
+    }
+
+    /// Faces of a cube, with a line before each.
+    fn cube(line: impl Fn(usize) -> String) -> String {
+        let corner = |i: usize| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2);
+        let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+        let face =
+            |(i, f): (usize, &[usize; 4])| format!("{}f {} {} {} {}\n", line(i), f[0], f[1], f[2], f[3]);
+        (0..8).map(corner).chain(faces.iter().enumerate().map(face)).collect()
+    }
+
+    #[test]
+    fn obj_follows_smoothing_groups_and_has_creases_without() {
+        let largest = |text: &str| {
+            let mesh = mesh(text);
+            let of_corner = |&i: &u32| mesh.normals[i as usize].abs().max_element();
+            mesh.triangles.iter().flatten().map(of_corner).fold(1.0, f32::min)
+        };
+        // Flat normals lie along an axis, smooth ones of a cube along a diagonal
+        for flat in ["", "s off\n", "s 0\n", "s\n"] {
+            assert!(largest(&format!("{flat}{}", cube(|_| String::new()))) > 0.9999, "{flat}");
+        }
+        assert!(largest(&cube(|i| format!("s {}\n", i + 1))) > 0.9999);
+        for smooth in ["s 1\n", "s on\n"] {
+            assert!(
+                (largest(&format!("{smooth}{}", cube(|_| String::new()))) - 3f32.sqrt().recip()).abs() < 1e-4
+            );
+        }
+    }
+
+    #[test]
+    fn obj_turns_faces_of_a_closed_body_that_wind_the_other_way() {
+        let right = cube(|_| String::new());
+        let (scene, warnings) = parsed(&right.replace("f 1 2 6 5", "usemtl m\nf 5 6 2 1")).unwrap();
+        assert!(warnings.contains("2 triangles of a closed body wound the other way than the rest: turned"));
+        for object in &scene.objects {
+            for [a, b, c] in object.mesh.triangles.iter().filter_map(|t| object.mesh.corners(t)) {
+                assert!((b - a).cross(c - a).dot(a - 0.5) > 0.0);
+            }
+        }
     }
 
     #[test]

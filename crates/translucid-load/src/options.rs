@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::Mat3;
 use translucid_scene::description::hexadecimal_color;
-use translucid_scene::{Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit};
+use translucid_scene::{
+    Camera, ColorSpace, Environment, Film, ImageKind, Scene, SceneError, SubsurfaceModel, Unit,
+};
 
 use super::image::read_image;
 use super::loading::Loading;
@@ -107,7 +109,7 @@ impl Surroundings {
         }
         if let Some(path) = &self.file {
             let image = Some(scene.images.len());
-            scene.images.push(Arc::new(read_image(path, ColorSpace::Srgb, loading)?));
+            scene.images.push(Arc::new(read_image(path, ImageKind::Color(ColorSpace::Srgb), loading)?));
             scene.environment = Some(Environment { image, ..Environment::default() });
         }
         let Some(environment) = &mut scene.environment else {

@@ -1,6 +1,6 @@
 //! Cuts polygons into triangles.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use earcut::{Earcut, Refiner};
 use glam::{DVec3, Vec3};
@@ -12,6 +12,12 @@ const MOST_OF_FAN: usize = 16;
 /// Part of a large polygon's area that may be covered twice: corners on a circle are not exactly on it.
 const MOST_FOLDED: f64 = 1e-4;
 
+/// Most corners of a polygon that is cut though it may cross itself: the time grows with the third power of their number.
+const MOST_OF_CROSSING: usize = 64;
+
+/// Most pairs of edges that are looked at for a crossing, per polygon.
+const MOST_PAIRS: usize = 1 << 28;
+
 /// Most corners that are cut well: `earcut` counts some tens of millions.
 const MOST_TO_CUT: usize = 10_000_000;
 
@@ -20,7 +26,8 @@ const MOST_TO_CUT: usize = 10_000_000;
 /// A vertex without a position counts as lying in the origin.
 /// A convex polygon becomes a fan about its first vertex, or is halved again and again if it is large, any other is
 /// clipped ear by ear (G. H. Meisters, "Polygons have ears", 1975).
-/// A polygon that cannot be cut so (self-intersecting, not finite) is taken for convex.
+/// A polygon that cannot be cut so (self-intersecting, not finite) is taken for convex, and so is one of more than 64
+/// corners that crosses itself or goes the same way twice.
 pub(super) fn triangulate<T: Copy>(
     vertices: &[T],
     position: impl Fn(T) -> Option<Vec3>,
@@ -77,12 +84,71 @@ fn clip_ears(corners: &[DVec3], normal: DVec3) -> Option<Vec<Triangle>> {
     let normal = normal.try_normalize().filter(|_| corners.len() <= MOST_TO_CUT)?;
     let (x, y) = normal.any_orthonormal_pair();
     let points: Vec<[f64; 2]> = corners.iter().map(|corner| [corner.dot(x), corner.dot(y)]).collect();
+    if points.len() > MOST_OF_CROSSING && !is_simple(&points) {
+        return None;
+    }
     let mut numbers: Vec<u32> = Vec::new();
     Earcut::new().earcut_slice(&points, &[], &mut numbers);
     let mut triangles: Vec<Triangle> = numbers.as_chunks().0.iter().copied().map(along_polygon).collect();
     restore_corners(&mut triangles, corners.len());
     Refiner::new().refine(triangles.as_flattened_mut(), &points);
     (triangles.len() + 2 == corners.len()).then_some(triangles)
+}
+
+/// Whether a polygon neither crosses itself nor goes along an edge twice in one direction; it may touch itself, as one
+/// with a hole does.
+fn is_simple(points: &[[f64; 2]]) -> bool {
+    let edges: Vec<[[f64; 2]; 2]> =
+        points.iter().zip(points.iter().cycle().skip(1)).map(|(&a, &b)| [a, b]).collect();
+    let bits = |point: [f64; 2]| point.map(f64::to_bits);
+    let different: HashSet<_> = edges.iter().map(|edge| edge.map(bits)).collect();
+    let corners: HashSet<_> = points.iter().map(|&point| bits(point)).collect();
+    // A hole of three corners or more has two of the outline's and two of its own twice
+    if different.len() < edges.len() || 5 * corners.len() < 3 * points.len() {
+        return false;
+    }
+    // Sweep along the axis along which edges are shorter
+    let length = |axis: usize| -> f64 {
+        let reach = points
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p[axis]), high.max(p[axis])]);
+        edges.iter().map(|[a, b]| (a[axis] - b[axis]).abs()).sum::<f64>() / (reach[1] - reach[0])
+    };
+    let along = usize::from(length(1) < length(0));
+    let low = |edge: &[[f64; 2]; 2], axis: usize| edge[0][axis].min(edge[1][axis]);
+    let high = |edge: &[[f64; 2]; 2], axis: usize| edge[0][axis].max(edge[1][axis]);
+    let mut order: Vec<&[[f64; 2]; 2]> = edges.iter().collect();
+    order.sort_by(|a, b| low(a, along).total_cmp(&low(b, along)));
+    let mut active: Vec<&[[f64; 2]; 2]> = Vec::new();
+    let mut pairs = 0;
+    for edge in order {
+        pairs += active.len();
+        if pairs > MOST_PAIRS {
+            return false;
+        }
+        active.retain(|other| high(other, along) >= low(edge, along));
+        let across = 1 - along;
+        let overlaps = |other: &[[f64; 2]; 2]| {
+            high(other, across) >= low(edge, across) && high(edge, across) >= low(other, across)
+        };
+        if active.iter().any(|other| overlaps(other) && cross(edge, other)) {
+            return false;
+        }
+        active.push(edge);
+    }
+    true
+}
+
+/// Whether two edges cross between their ends.
+fn cross(&[a, b]: &[[f64; 2]; 2], &[c, d]: &[[f64; 2]; 2]) -> bool {
+    /// Distance from an edge, as a share of it, up to which a point is on it.
+    const TOUCH: f64 = 1e-9;
+    let side = |[p, q]: [[f64; 2]; 2], r: [f64; 2]| {
+        let [x, y] = [q[0] - p[0], q[1] - p[1]];
+        let area = x * (r[1] - p[1]) - y * (r[0] - p[0]);
+        if area.abs() <= TOUCH * (x * x + y * y) { 0.0 } else { area.signum() }
+    };
+    side([a, b], c) * side([a, b], d) < 0.0 && side([c, d], a) * side([c, d], b) < 0.0
 }
 
 /// The triangle with its corners in the order in which the polygon has them.
@@ -226,6 +292,27 @@ mod tests {
             let mean = triangles.iter().map(around).sum::<f32>() / triangles.len() as f32;
             assert!(mean < most, "{inner}: {mean}");
         }
+    }
+
+    #[test]
+    fn polygons_with_a_hole_are_simple_and_those_that_cross_or_repeat_themselves_are_not() {
+        let circle = |count: usize, radius: f64| {
+            (0..count).map(move |i| {
+                let (sin, cos) = (i as f64 * std::f64::consts::TAU / count as f64).sin_cos();
+                [radius * cos, radius * sin]
+            })
+        };
+        let outline: Vec<[f64; 2]> = circle(100, 2.0).collect();
+        assert!(is_simple(&outline));
+        let mut hole: Vec<[f64; 2]> = circle(50, 1.0).collect();
+        hole.push(hole[0]);
+        hole.reverse();
+        let with_hole = [&outline[..], &outline[..1], &hole].concat();
+        assert!(is_simple(&with_hole));
+        let twice = outline.repeat(2);
+        let star: Vec<[f64; 2]> =
+            (0..101).map(|i| circle(101, 1.0).nth(i * 50 % 101).unwrap_or_default()).collect();
+        assert!(!is_simple(&twice) && !is_simple(&star));
     }
 
     #[test]

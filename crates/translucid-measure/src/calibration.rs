@@ -2,7 +2,6 @@
 
 use crate::clipping::check_clipping;
 use crate::error::MeasureError;
-use crate::fit::{Fit, Interval};
 use crate::linear_photo::{NamedPhoto, Photo};
 use crate::options::Options;
 use crate::remark::{CHANNELS, Remark};
@@ -10,24 +9,25 @@ use crate::spot_place::SpotPlace;
 
 /// Factors that make values of a photograph those that a fit takes.
 pub(crate) enum Calibration {
-    /// Factors of all pixels.
-    Even([f64; 3]),
+    /// Factors of all pixels, and the relative standard error of the white's mean that they hold.
+    Even([f64; 3], [f64; 3]),
     /// A photograph of something white to divide by, times its reflectance.
     Flat(Photo, [f64; 3]),
     /// Factors, and the relative standard error of the power that they hold.
     Power([f64; 3], [f64; 3]),
 }
 
-/// Quantiles of the normal distribution that intervals of 68 % and of 95 % end at.
-const LIKELY: f64 = 0.994_457_883;
-const SURE: f64 = 1.959_963_985;
+/// Parts of a white card in a row and in a column, whose differences show the noise of its mean.
+const PARTS: usize = 4;
 
 impl Calibration {
     /// The factors by a white card in the photograph; none where there is none.
     pub(crate) fn by_card(photo: &NamedPhoto, options: &Options) -> Result<Self, MeasureError> {
         let reflectances = options.white_reflectances()?;
-        let Some(white) = options.white else { return Ok(Self::Even([1.0; 3])) };
-        gains(reflectances, photo.part("white", white)?.mean(), &photo.name, "white").map(Self::Even)
+        let Some(white) = options.white else { return Ok(Self::Even([1.0; 3], [0.0; 3])) };
+        let card = photo.part("white", white)?;
+        let gains = gains(reflectances, card.mean(), &photo.name, "white")?;
+        Ok(Self::Even(gains, mean_error(&card)))
     }
 
     /// The factors by a photograph of white paper, those of a spot by the power of its light.
@@ -65,7 +65,7 @@ impl Calibration {
         for (i, pixel) in photo.pixels.iter_mut().enumerate() {
             for (c, value) in pixel.iter_mut().enumerate() {
                 *value = match self {
-                    Self::Even(gains) | Self::Power(gains, _) => scaled(*value, gains[c]),
+                    Self::Even(gains, _) | Self::Power(gains, _) => scaled(*value, gains[c]),
                     Self::Flat(white, reflectances) => {
                         let light = f64::from(white.pixels[i][c]);
                         // Where no light falls there is none to measure
@@ -76,19 +76,28 @@ impl Calibration {
         }
     }
 
-    /// Lets intervals of surface albedos hold the error of the power.
-    pub(crate) fn widen(&self, fit: &mut Fit) {
-        let Self::Power(_, errors) = self else { return };
-        for (channel, error) in fit.channels.iter_mut().zip(errors) {
-            if let Some(Interval { value, likely, sure }) = &mut channel.surface_albedo {
-                for (interval, normal) in [(likely, LIKELY), (sure, SURE)] {
-                    let [down, up] = [*value - interval[0], interval[1] - *value];
-                    let more = *value * error * normal;
-                    *interval = [*value - down.hypot(more), *value + up.hypot(more)];
-                }
-            }
+    /// Relative standard errors of the factors.
+    pub(crate) fn errors(&self) -> [f64; 3] {
+        match self {
+            Self::Even(_, errors) | Self::Power(_, errors) => *errors,
+            // It is in the differences of blocks
+            Self::Flat(..) => [0.0; 3],
         }
     }
+}
+
+/// Relative standard error of a mean of pixels that may depend on their neighbors, by the means of parts.
+fn mean_error(card: &Photo) -> [f64; 3] {
+    let part = |i: usize, n: usize| [i * n / PARTS, ((i + 1) * n / PARTS).max(i * n / PARTS + 1)];
+    let parts: Vec<[f64; 3]> = (0..PARTS * PARTS)
+        .map(|i| (part(i % PARTS, card.width), part(i / PARTS, card.height)))
+        .map(|([x0, x1], [y0, y1])| card.part([x0, y0, x1, y1]).mean())
+        .collect();
+    let (mean, count) = (card.mean(), parts.len() as f64);
+    std::array::from_fn(|c| {
+        let square: f64 = parts.iter().map(|part| (part[c] - mean[c]).powi(2)).sum();
+        (square / (count - 1.0) / count).sqrt() / mean[c]
+    })
 }
 
 /// Reflectances over the light of what has them; refuses a channel without light.

@@ -1,8 +1,8 @@
 //! Light that a photograph has lost at either end of its range.
 
 use crate::error::MeasureError;
-use crate::linear_photo::Photo;
-use crate::remark::{Remark, three_digits};
+use crate::linear_photo::{NamedPhoto, Photo};
+use crate::remark::{CHANNELS, Remark, three_digits};
 use crate::spot_place::SpotPlace;
 
 /// Share of pixels at the end of their range from which on a photograph counts as clipped.
@@ -20,9 +20,14 @@ pub(crate) fn check_clipping(
     name: &str,
     say: &mut dyn FnMut(Remark),
 ) -> Result<(), MeasureError> {
-    let share = part.clipped();
-    let message =
-        format!("{:.1} % of the values are at the end of their range, where light is lost", 100.0 * share);
+    let (mut share, mut message) = (part.clipped(), String::from("the values are at the end of their range"));
+    for (c, name) in CHANNELS.iter().enumerate() {
+        if let Some(pile) = part.pile_up(c).filter(|pile| pile.share > share) {
+            let most = three_digits(f64::from(pile.greatest));
+            (share, message) = (pile.share, format!("the values of {name} are at its greatest, {most}"));
+        }
+    }
+    let message = format!("{:.1} % of {message}, where light is lost", 100.0 * share);
     let help = "expose less, add a shorter `exposure`, or leave highlights out by `region`";
     if share > TOO_MUCH_CLIPPED {
         return Err(MeasureError::of_photo(name, message).with_help(help));
@@ -32,6 +37,20 @@ pub(crate) fn check_clipping(
     }
     warn_of_cut_noise(part, name, part, say);
     Ok(())
+}
+
+/// Notes a white card whose values are equal though the photograph is noisy: it may be clipped.
+pub(crate) fn note_equal_white(photo: &NamedPhoto, card: [usize; 4], say: &mut dyn FnMut(Remark)) {
+    let clipped = photo.photo.clipped_whites(card);
+    let names: Vec<&str> = (0..3).filter(|c| clipped[*c]).map(|c| CHANNELS[c]).collect();
+    if !names.is_empty() {
+        say(Remark::Note(format!(
+            "{}: the white card's values of {} are all the same, but the rest is noisy: if the card is clipped, the surface \
+             albedo is too high: expose less",
+            photo.name,
+            names.join(", ")
+        )));
+    }
 }
 
 /// Warns of values below 0 that the file has as 0, which makes the dark brighter, where that counts beside the light.

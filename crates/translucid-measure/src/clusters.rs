@@ -25,10 +25,23 @@ pub(crate) struct Clusters<'a> {
     inverse_errors: Vec<f64>,
 }
 
+/// Errors of the means that are the same for all blocks, so that their differences do not show them.
+#[derive(Default)]
+pub(crate) struct CommonErrors {
+    /// Changes of the means by one standard error, channel by channel at each place.
+    pub(crate) normal: Vec<Vec<f64>>,
+    /// Changes of the means of which any part may have to be added, from none to all.
+    pub(crate) up_to: Vec<Vec<f64>>,
+}
+
 /// Parameters that explain the means.
 pub(crate) struct Found {
     pub(crate) parameters: Vec<f64>,
     covariance: DMatrix<f64>,
+    /// Covariance by the common errors of all blocks.
+    common: DMatrix<f64>,
+    /// Middle of the intervals less the parameters.
+    drift: Vec<f64>,
     /// Degrees of freedom of the covariance.
     degrees: f64,
     /// Mean square of the means' residuals over their noise.
@@ -39,7 +52,7 @@ impl<'a> Clusters<'a> {
     /// `None` where there are fewer than six blocks or 16 places, or numbers that are not finite. `counts` are the pixels of
     /// a block at each place.
     pub(crate) fn new(samples: &'a Samples, counts: impl Fn(usize) -> f64) -> Option<Self> {
-        let Samples { places, pixel_width, blocks } = samples;
+        let Samples { places, pixel_width, blocks, .. } = samples;
         let n = places.len();
         let is_usable = blocks.len() >= FEWEST_BLOCKS
             && n >= FEWEST_PLACES
@@ -62,16 +75,22 @@ impl<'a> Clusters<'a> {
         Some(Self { samples, means, inverse_errors })
     }
 
-    /// Standard errors of the means, by place.
+    /// Leaves the first places out of fits.
+    pub(crate) fn leave_out(&mut self, places: usize) {
+        self.inverse_errors[..3 * places].fill(0.0);
+    }
+
+    /// Standard errors of the means, by place; infinite where they are left out.
     pub(crate) fn errors(&self) -> Vec<[f64; 3]> {
         let error = |inverse: &[f64]| std::array::from_fn(|c| 1.0 / inverse[c]);
         self.inverse_errors.chunks_exact(3).map(error).collect()
     }
 
-    /// The best of fits from several starts, of light by parameters and channel.
+    /// The best of fits from several starts, of light by parameters and channel, with errors that all blocks share.
     pub(crate) fn fit(
         &self,
         light: impl Fn(&[f64], usize) -> Vec<f64>,
+        common_errors: impl Fn(&[f64]) -> CommonErrors,
         starts: &[Vec<f64>],
         scales: &[f64],
     ) -> Option<Found> {
@@ -83,24 +102,44 @@ impl<'a> Clusters<'a> {
         let square = |p: &[f64]| residuals(p).iter().map(|r| r * r).sum::<f64>();
         let minima = starts.iter().map(|start| robust_least_squares(residuals, start, scales));
         let minimum = minima.min_by(|a, b| square(&a.parameters).total_cmp(&square(&b.parameters)))?;
-        let covariance = self.covariance(&residuals, &minimum.parameters, &minimum.weights, scales)?;
-        let free = self.means.len() - minimum.parameters.len();
+        let p = &minimum.parameters;
+        let (weighted, bread) = self.sensitivity(&residuals, p, &minimum.weights, scales)?;
+        let CommonErrors { normal, up_to } = common_errors(p);
+        let change = |of_means: &Vec<f64>| {
+            let residuals =
+                of_means.iter().zip(&self.inverse_errors).map(|(change, inverse)| change * inverse);
+            -&bread * (weighted.transpose() * DVector::from_iterator(self.means.len(), residuals))
+        };
+        let mut common = DMatrix::<f64>::zeros(p.len(), p.len());
+        let mut drift = DVector::<f64>::zeros(p.len());
+        for change in normal.iter().map(change) {
+            common += &change * change.transpose();
+        }
+        // Evenly distributed from none to all
+        for change in up_to.iter().map(change) {
+            common += &change * change.transpose() / 12.0;
+            drift += 0.5 * change;
+        }
+        let free =
+            self.inverse_errors.iter().filter(|inverse| **inverse > 0.0).count().saturating_sub(p.len());
         Some(Found {
-            misfit: square(&minimum.parameters) / free as f64,
+            misfit: square(p) / free.max(1) as f64,
+            covariance: self.covariance(&weighted, &bread),
+            common,
+            drift: drift.iter().copied().collect(),
             parameters: minimum.parameters,
-            covariance,
             degrees: (self.samples.blocks.len() - 1) as f64,
         })
     }
 
-    /// Covariance of the parameters by the scores of the blocks.
-    fn covariance(
+    /// The weighted Jacobian J of the residuals, and (JᵀWJ)⁻¹.
+    fn sensitivity(
         &self,
         residuals: &impl Fn(&[f64]) -> Vec<f64>,
         p: &[f64],
         weights: &[f64],
         scales: &[f64],
-    ) -> Option<DMatrix<f64>> {
+    ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let jacobian = jacobian(residuals, p, scales);
         let weighted =
             DMatrix::from_fn(jacobian.nrows(), p.len(), |row, i| jacobian[(row, i)] * weights[row]);
@@ -108,8 +147,13 @@ impl<'a> Clusters<'a> {
         let scale = DMatrix::from_diagonal(&DVector::from_row_slice(scales));
         let normal = &scale * (jacobian.transpose() * &weighted) * &scale;
         let bread = &scale * normal.clone().pseudo_inverse(1e-12 * normal.amax()).ok()? * &scale;
+        Some((weighted, bread))
+    }
+
+    /// Covariance of the parameters by the scores of the blocks.
+    fn covariance(&self, weighted: &DMatrix<f64>, bread: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.samples.blocks.len() as f64;
-        let mut meat = DMatrix::<f64>::zeros(p.len(), p.len());
+        let mut meat = DMatrix::<f64>::zeros(bread.nrows(), bread.nrows());
         for block in &self.samples.blocks {
             // What a block alone would move: its difference from the mean
             let difference =
@@ -118,22 +162,26 @@ impl<'a> Clusters<'a> {
             let score = weighted.transpose() * difference;
             meat += &score * score.transpose();
         }
-        Some(&bread * meat * &bread * (count / (count - 1.0)))
+        bread * meat * bread * (count / (count - 1.0))
     }
 }
 
 impl Found {
     /// Standard error of a parameter; one of 100 in a logarithm is one of nothing, too.
     pub(crate) fn error(&self, i: usize) -> f64 {
-        self.covariance[(i, i)].max(0.0).sqrt().min(100.0)
+        (self.covariance[(i, i)] + self.common[(i, i)]).max(0.0).sqrt().min(100.0)
     }
 
     /// A function of a parameter with its intervals.
     pub(crate) fn interval(&self, i: usize, map: impl Fn(f64) -> f64) -> Interval {
-        let (value, error) = (self.parameters[i], self.error(i));
+        let (value, middle) = (self.parameters[i], self.parameters[i] + self.drift[i]);
+        let [of_blocks, common] = [&self.covariance, &self.common].map(|all| all[(i, i)].max(0.0).sqrt());
         let around = |z: f64| {
-            let t = student(z, self.degrees);
-            [map(value - t * error), map(value + t * error)]
+            let reach = (student(z, self.degrees) * of_blocks)
+                .hypot(z * common)
+                .min(student(z, self.degrees) * 100.0);
+            // The value itself is never left out
+            [map((middle - reach).min(value)), map((middle + reach).max(value))]
         };
         Interval { value: map(value), likely: around(0.994_457_883), sure: around(1.959_963_985) }
     }
@@ -141,7 +189,8 @@ impl Found {
     /// Correlation of the errors of two parameters; 0 where one is known exactly.
     pub(crate) fn correlation(&self, i: usize, j: usize) -> f64 {
         let product = self.error(i) * self.error(j);
-        if product > 0.0 { (self.covariance[(i, j)] / product).clamp(-1.0, 1.0) } else { 0.0 }
+        let joint = self.covariance[(i, j)] + self.common[(i, j)];
+        if product > 0.0 { (joint / product).clamp(-1.0, 1.0) } else { 0.0 }
     }
 }
 

@@ -1,32 +1,40 @@
 //! Mean free paths and surface albedos that explain the light beside an opaque card.
 //!
 //! ```text
-//! v_c(x) = b_c + g_c (1 + m_c x) E(x; A_c, ℓ_c, x₀, σ)
+//! v_c(x) = b_c + s_c g_c (1 + m_c (x − x_w)) E(x; A_c, ℓ_c, x₀, σ)
 //! ```
 //!
 //! for a channel c with the gain g, stray light b and the slope m of uneven light; where the card ends and the camera's blur
-//! are the same for all channels. Where v is reflectance, A determines the gain, too.
+//! are the same for all channels. Where v is reflectance, A determines the gain, too, x_w is the place of what is white, else
+//! x₀, and s = 1 − b/ρ: stray light in the camera lies on what is white, too, whose reflectance is ρ.
 //! Where the camera sees the card instead of what is below it, only the lit side counts:
 //!
 //! ```text
-//! v_c(x) = G_σ * [ x > x₀ : g_c (1 + m_c x) E(x; A_c, ℓ_c, x₀, 0),  else b_c ]
+//! v_c(x) = G_σ * [ x > x₀ : g_c (1 + m_c (x − x_w)) E(x; A_c, ℓ_c, x₀, 0),  else b_c ]
 //! ```
+//!
+//! and of the card only what is beside its edge.
+//! There the light of the card may be its own or stray light: intervals hold both, and all between.
+//! They hold, too, that the scale of reflectances has errors, and that uneven light may be bent.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
 
-use crate::clusters::Clusters;
+use crate::clusters::{Clusters, CommonErrors};
 use crate::detectability::is_detectable;
 use crate::edge::{Edge, EdgeModel};
-use crate::fit::{Card, ChannelFit, Fit, Outline, Scale};
+use crate::fit::{Card, ChannelFit, Fit, Outline, Scale, White};
 use crate::response::Response;
 use crate::samples::Samples;
 
 /// Parameters that all channels share, and those of each.
 const SHARED: usize = 2;
 const OF_CHANNEL: usize = 4;
+
+/// Pixels of a blur below which there may be none.
+const HARDLY_BLURRED: f64 = 0.2;
 
 /// Mean square of residuals over the noise up to which a hidden card explains the light.
 const EXPLAINED: f64 = 1.5;
@@ -49,14 +57,24 @@ pub fn fit_edge_of(card: Card, samples: &Samples, response: &Response, scale: Sc
     // From far creeping none finds a way to a sharp edge
     let mfps = [0.05 * samples.extent(), 0.2 * samples.pixel_width];
     let starts = mfps.map(|mfp| problem.start(mfp));
-    let found = problem.clusters.fit(|p, c| problem.light(p, c), &starts, &problem.scales())?;
+    let light = |p: &[f64], c: usize| problem.light(p, c);
+    let fit = |starts: &[Vec<f64>]| {
+        problem.clusters.fit(light, |p| problem.common_errors(p), starts, &problem.scales())
+    };
+    let mut found = fit(&starts)?;
+    if found.parameters[1].abs() < HARDLY_BLURRED * samples.pixel_width {
+        // Nothing changes with a blur that is none, and a search stays there
+        let mut start = found.parameters.clone();
+        start[1] = 0.5 * samples.pixel_width;
+        found = fit(&[start]).filter(|other| other.misfit < found.misfit).unwrap_or(found);
+    }
     let p = &found.parameters;
     let channel = |c: usize| {
         let first = SHARED + c * OF_CHANNEL;
         let (_, gain) = problem.albedo_and_gain(p, c);
         ChannelFit {
             mfp: found.interval(first, libm::exp),
-            surface_albedo: (scale == Scale::Reflectance).then(|| found.interval(first + 1, |a| a)),
+            surface_albedo: scale.is_reflectance().then(|| found.interval(first + 1, |a| a)),
             is_seen: is_detectable(samples, p[1], p[first], found.error(first)),
             correlation: found.correlation(first, first + 1),
             stray: p[first + 2] / gain,
@@ -73,6 +91,9 @@ pub fn fit_edge_of(card: Card, samples: &Samples, response: &Response, scale: Sc
         errors: problem.clusters.errors(),
     })
 }
+
+/// Places on a card that is seen, beside its edge, that count: what is farther tells nothing, and light on it is uneven, too.
+const BESIDE_CARD: usize = 8;
 
 /// Everything that the residuals are made of.
 struct Problem<'a> {
@@ -94,7 +115,11 @@ impl<'a> Problem<'a> {
         let clusters = Clusters::new(samples, |_| 1.0)?;
         let model = EdgeModel::new(&samples.places, samples.pixel_width);
         let curves = RefCell::default();
-        let problem = Self { samples, clusters, response, scale, card, model, curves };
+        let mut problem = Self { samples, clusters, response, scale, card, model, curves };
+        if card == Card::Visible {
+            let beside = BESIDE_CARD.min(problem.middle() / 2);
+            problem.clusters.leave_out(problem.middle() - beside);
+        }
         (0..3).all(|c| problem.level(c, true) > problem.level(c, false)).then_some(problem)
     }
 
@@ -106,9 +131,10 @@ impl<'a> Problem<'a> {
         range.map(|i| self.clusters.means[3 * i + c]).sum::<f64>() / tenth as f64
     }
 
-    fn start(&self, mfp: f64) -> Vec<f64> {
+    /// The first of the places beyond the card: the mean of the channels is half as bright at the shadow's end, and rises most
+    /// where a card ends that is seen.
+    fn middle(&self) -> usize {
         let places = &self.samples.places;
-        // The mean of the channels is half as bright at the shadow's end, and rises most where the card ends
         let mean = |i: usize| self.clusters.means[3 * i..3 * i + 3].iter().sum::<f64>();
         let [lit, dark] = [true, false].map(|is_lit| (0..3).map(|c| self.level(c, is_lit)).sum::<f64>());
         let middle = match self.card {
@@ -118,13 +144,18 @@ impl<'a> Problem<'a> {
                 (1..places.len() - 1).max_by(|i, j| rise(i).total_cmp(&rise(j)))
             }
         };
-        let middle = middle.unwrap_or(places.len() / 2);
+        middle.unwrap_or(places.len() / 2)
+    }
+
+    fn start(&self, mfp: f64) -> Vec<f64> {
+        let (places, middle) = (&self.samples.places, self.middle());
         let mut start = vec![places[middle], self.samples.pixel_width];
         for c in 0..3 {
             let (lit, dark) = (self.level(c, true), self.level(c, false));
-            let gain = match self.scale {
-                Scale::Reflectance => self.response.albedo_of_level(lit - dark, mfp),
-                Scale::Relative(_) => lit - dark,
+            let gain = if self.scale.is_reflectance() {
+                self.response.albedo_of_level(lit - dark, mfp)
+            } else {
+                lit - dark
             };
             start.extend([libm::log(mfp), gain, dark, 0.0]);
         }
@@ -136,11 +167,10 @@ impl<'a> Problem<'a> {
         let mut scales = vec![self.samples.pixel_width; SHARED];
         for c in 0..3 {
             let lit = self.level(c, true);
-            let of_gain = match self.scale {
-                Scale::Reflectance => {
-                    0.1 * self.response.albedo_of_level(lit, self.samples.extent()).max(0.1)
-                }
-                Scale::Relative(_) => 0.1 * lit,
+            let of_gain = if self.scale.is_reflectance() {
+                0.1 * self.response.albedo_of_level(lit, self.samples.extent()).max(0.1)
+            } else {
+                0.1 * lit
             };
             scales.extend([0.3, of_gain, 0.1 * lit, 0.1 / self.samples.extent()]);
         }
@@ -155,9 +185,9 @@ impl<'a> Problem<'a> {
     /// Surface albedo and gain of a channel.
     fn albedo_and_gain(&self, p: &[f64], c: usize) -> (f64, f64) {
         let value = p[SHARED + c * OF_CHANNEL + 1];
-        match self.scale {
-            Scale::Reflectance => (value, self.response.level(value, self.mfp(p, c))),
-            Scale::Relative(albedos) => (albedos[c], value),
+        match self.scale.albedo(c) {
+            None => (value, self.response.level(value, self.mfp(p, c))),
+            Some(albedo) => (albedo, value),
         }
     }
 
@@ -175,20 +205,64 @@ impl<'a> Problem<'a> {
         Rc::clone(&curves[0].1)
     }
 
+    /// The place at which the light's scale is known, and the reflectance of what is white; infinite where nothing is.
+    fn white(&self, position: f64, c: usize) -> (f64, f64) {
+        match self.scale {
+            Scale::Reflectance(White { reflectance, place, .. }) => {
+                (place.unwrap_or(position), reflectance[c])
+            }
+            _ => (position, f64::INFINITY),
+        }
+    }
+
+    /// Errors that the blocks share: of the reflectance's scale, of uneven light that is bent, and of light of the card that
+    /// may be stray light.
+    fn common_errors(&self, p: &[f64]) -> CommonErrors {
+        let places = &self.samples.places;
+        let curves = [0, 1, 2].map(|c| self.light(p, c));
+        let each = |of: &dyn Fn(usize, f64, f64) -> f64| -> Vec<f64> {
+            let at = |(i, x): (usize, &f64)| [0, 1, 2].map(|c| of(c, *x, curves[c][i]));
+            places.iter().enumerate().flat_map(at).collect()
+        };
+        let middle = 0.5 * (p[0].max(places[0]) + places[places.len() - 1]);
+        let slope = |c: usize| p[SHARED + c * OF_CHANNEL + 3];
+        // The square that an exponential has beside a straight line
+        let bent = each(&|c, x, v| 0.5 * (slope(c) * (x - middle)).powi(2) * v);
+        let scaled = match self.scale {
+            Scale::Reflectance(White { error, place, .. }) => {
+                let bent = |c: usize| place.map_or(0.0, |place| 0.5 * (slope(c) * (place - middle)).powi(2));
+                Some(each(&|c, _, v| error[c].hypot(bent(c)) * v))
+            }
+            _ => None,
+        };
+        let stray = |c: usize, v: f64| {
+            let stray = p[SHARED + c * OF_CHANNEL + 2].max(0.0);
+            -stray * (1.0 - v / self.white(p[0], c).1)
+        };
+        let is_card = self.card == Card::Visible;
+        let up_to = is_card.then(|| each(&|c, _, v| stray(c, v)));
+        CommonErrors {
+            normal: scaled.into_iter().chain([bent]).collect(),
+            up_to: up_to.into_iter().collect(),
+        }
+    }
+
     /// The model's values of a channel.
     fn light(&self, p: &[f64], c: usize) -> Vec<f64> {
         let [position, blur] = [p[0], p[1]];
         let [stray, slope] = [2, 3].map(|i| p[SHARED + c * OF_CHANNEL + i]);
         let ((surface_albedo, gain), mfp) = (self.albedo_and_gain(p, c), self.mfp(p, c));
         let places = &self.samples.places;
+        let (known, reflectance) = self.white(position, c);
         let lit = |curve: &[f64]| -> Vec<f64> {
-            let lit = |(x, light): (&f64, &f64)| gain * (1.0 + slope * (x - position)) * light;
+            let lit = |(x, light): (&f64, &f64)| gain * (1.0 + slope * (x - known)) * light;
             places.iter().zip(curve).map(lit).collect()
         };
         match self.card {
             Card::Hidden => {
                 let curve = self.curve(&Edge { surface_albedo, mfp, position, blur });
-                lit(&curve).into_iter().map(|light| stray + light).collect()
+                let rest = 1.0 - stray / reflectance;
+                lit(&curve).into_iter().map(|light| stray + rest * light).collect()
             }
             Card::Visible => {
                 let curve = self.curve(&Edge { surface_albedo, mfp, position, blur: 0.0 });
@@ -279,7 +353,8 @@ mod tests {
     /// A picture with stray light, uneven light and noise, some of which is the same for a block's neighboring places.
     fn photographed(truths: &[Truth; 3], noise: f64, random: &mut SplitMix) -> Samples {
         let places: Vec<f64> = (-60..60).map(|i| 0.1 * f64::from(i) + 0.05).collect();
-        let light = |x: f64, c: usize| (1.0 + 0.01 * x) * truths[c].blurred(x - 0.23, 0.12) + 0.01;
+        // Stray light lies on white, too
+        let light = |x: f64, c: usize| ((1.0 + 0.01 * x) * truths[c].blurred(x - 0.23, 0.12) + 0.01) / 1.01;
         let clean: Vec<[f64; 3]> = places.iter().map(|x| std::array::from_fn(|c| light(*x, c))).collect();
         let blocks = (0..16).map(|_| {
             let mut drift = 0.0;
@@ -289,7 +364,7 @@ mod tests {
             };
             clean.iter().map(noisy).collect()
         });
-        Samples { pixel_width: 0.1, blocks: blocks.collect(), places }
+        Samples { pixel_width: 0.1, blocks: blocks.collect(), along: [-3.0, 3.0], places }
     }
 
     /// Intervals of three channels hold the truth as often as they say to 4.5 standard deviations, which a run would miss once
@@ -301,10 +376,10 @@ mod tests {
         let mut random = SplitMix(7);
         let (mut of_mfp, mut of_albedo, mut likely) = (0, 0, 0);
         let mut worst = 0.0_f64;
-        let pictures = power(160);
+        let pictures = power(64);
         for _ in 0..pictures {
             let samples = photographed(&truths, 0.01, &mut random);
-            let fit = fit_edge(&samples, &response, Scale::Reflectance).unwrap();
+            let fit = fit_edge(&samples, &response, Scale::Reflectance(White::PERFECT)).unwrap();
             for c in 0..3 {
                 let holds = |interval: [f64; 2], truth| interval[0] <= truth && truth <= interval[1];
                 let ChannelFit { mfp, surface_albedo, .. } = fit.channels[c];
@@ -344,8 +419,8 @@ mod tests {
         let clean: Vec<[f64; 3]> = places.iter().map(|x| std::array::from_fn(|c| light(*x, c))).collect();
         let noisy = |pixel: &[f64; 3], random: &mut SplitMix| pixel.map(|v| v + 0.004 * normal(random));
         let blocks = (0..16).map(|_| clean.iter().map(|pixel| noisy(pixel, &mut random)).collect()).collect();
-        let samples = Samples { pixel_width: 0.1, blocks, places };
-        let fit = fit_edge(&samples, &response, Scale::Reflectance).unwrap();
+        let samples = Samples { pixel_width: 0.1, blocks, along: [-3.0, 3.0], places };
+        let fit = fit_edge(&samples, &response, Scale::Reflectance(White::PERFECT)).unwrap();
         assert!(matches!(fit.outline, Outline::Edge { card: Card::Visible, .. }), "{:?}", fit.outline);
         assert!(fit.misfit < 1.5, "{}", fit.misfit);
         for (c, channel) in fit.channels.iter().enumerate() {
@@ -375,8 +450,8 @@ mod tests {
             };
             let noisy = |x: &f64, random: &mut SplitMix| [0.6 * light(*x) + 0.004 * normal(random); 3];
             let blocks = (0..16).map(|_| places.iter().map(|x| noisy(x, &mut random)).collect()).collect();
-            let samples = Samples { pixel_width: 0.1, blocks, places };
-            let fit = fit_edge(&samples, &response, Scale::Reflectance).unwrap();
+            let samples = Samples { pixel_width: 0.1, blocks, along: [-3.0, 3.0], places };
+            let fit = fit_edge(&samples, &response, Scale::Reflectance(White::PERFECT)).unwrap();
             for channel in fit.channels {
                 assert!(!channel.is_seen, "blur {blur}: {channel:?}");
                 assert!(channel.correlation.abs() <= 1.0);

@@ -32,6 +32,9 @@ const LEAST_CONTRAST: f64 = 1.5;
 /// Where half the light is may be this part of the extent off a line.
 const STRAIGHT: f64 = 0.04;
 
+/// Fewest lit pixels of a row whose light is its own.
+const FEWEST_LIT: usize = 8;
+
 impl EdgeLine {
     /// The line along which light is half as bright.
     ///
@@ -63,7 +66,7 @@ impl EdgeLine {
         let mut across = unit([right - left, bottom - top]).ok_or(NoEdge::NotStraight(f64::INFINITY))?;
 
         // Through the places of each row (or column) at which light is half as bright
-        let half = 0.5 * (dark + lit);
+        let overall = 0.5 * (dark + lit);
         let is_upright = across[0].abs() >= across[1].abs();
         let (count, length) = if is_upright { (height, width) } else { (width, height) };
         let is_rising = across[usize::from(!is_upright)] > 0.0;
@@ -72,6 +75,7 @@ impl EdgeLine {
             if is_upright { photo.gray(i, line) } else { photo.gray(line, i) }
         };
         let crossing = |line: usize| {
+            let half = half_of((0..length).map(|i| value(line, i)), dark, overall);
             // The place that parts what is dark from what is lit with the fewest on the wrong side
             let mut wrong = (0..length).filter(|&i| value(line, i) < half).count() as i64;
             let (mut best, mut place) = (wrong, 0);
@@ -128,8 +132,17 @@ impl EdgeLine {
 
     /// Distance of a pixel's middle in pixels, positive on the lit side.
     pub fn distance(&self, x: usize, y: usize) -> f64 {
-        let offset = [x as f64 + 0.5 - self.point[0], y as f64 + 0.5 - self.point[1]];
-        offset[0] * self.across[0] + offset[1] * self.across[1]
+        self.distance_of(x as f64 + 0.5, y as f64 + 0.5)
+    }
+
+    /// Distance of a place in pixels, positive on the lit side.
+    pub fn distance_of(&self, x: f64, y: f64) -> f64 {
+        (x - self.point[0]) * self.across[0] + (y - self.point[1]) * self.across[1]
+    }
+
+    /// How far along the line a place is, in pixels.
+    pub fn along(&self, x: f64, y: f64) -> f64 {
+        (y - self.point[1]) * self.across[0] - (x - self.point[0]) * self.across[1]
     }
 
     /// Light by the distance across, in steps of a pixel, in the rectangle along the line that holds the most.
@@ -144,10 +157,7 @@ impl EdgeLine {
 
     /// The samples of a part of the line around its middle, as far across as every block has pixels.
     fn samples_of(&self, photo: &Photo, pixel_width: f64, part: f64) -> Samples {
-        let along = |x: usize, y: usize| {
-            let offset = [x as f64 + 0.5 - self.point[0], y as f64 + 0.5 - self.point[1]];
-            offset[1] * self.across[0] - offset[0] * self.across[1]
-        };
+        let along = |x: usize, y: usize| self.along(x as f64 + 0.5, y as f64 + 0.5);
         let [right, bottom] = [photo.width.saturating_sub(1), photo.height.saturating_sub(1)];
         let corners = [[0, 0], [right, 0], [0, bottom], [right, bottom]];
         let extent = |value: &dyn Fn(usize, usize) -> f64| {
@@ -188,8 +198,19 @@ impl EdgeLine {
             places: seen.iter().map(|bin| (low + *bin as f64 + 0.5) * pixel_width).collect(),
             pixel_width,
             blocks: (0..BLOCKS).map(block).collect(),
+            along: [first, last].map(|v| v * pixel_width),
         }
     }
+}
+
+/// Half the light of a row in uneven light: between the dark and the row's lit side, where it has one.
+fn half_of(row: impl Iterator<Item = f64>, dark: f64, overall: f64) -> f64 {
+    let mut lit: Vec<f64> = row.filter(|v| *v > overall).collect();
+    if lit.len() < FEWEST_LIT {
+        return overall;
+    }
+    let middle = lit.len() / 2;
+    0.5 * (dark + *lit.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
@@ -199,7 +220,7 @@ fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
 
 /// Slope and height at 0 of a straight line through points: the median of the slopes of pairs that are far apart, and of the
 /// heights, which outliers do not move [H. Theil 1950].
-fn straight(points: &[(f64, f64)]) -> (f64, f64) {
+pub(crate) fn straight(points: &[(f64, f64)]) -> (f64, f64) {
     let half = points.len() / 2;
     let slope = |i: usize| {
         let ((x0, y0), (x1, y1)) = (points[i], points[i + half]);

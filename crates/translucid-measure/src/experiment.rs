@@ -13,14 +13,17 @@
 
 use crate::alternative_model::AlternativeModel;
 use crate::calibration::Calibration;
-use crate::clipping::{check_clipping, check_core, warn_of_cut_noise};
+use crate::clipping::{check_clipping, check_core, note_equal_white, warn_of_cut_noise};
 use crate::edge_fit::{fit_edge, fit_edge_of};
+use crate::edge_line::EdgeLine;
 use crate::error::MeasureError;
-use crate::fit::{Card, Fit, Outline, Scale};
+use crate::even_light::SlopeAlong;
+use crate::fit::{Card, Fit, Outline, Scale, White};
 use crate::limitations::{MISFIT, limitations, unlike};
 use crate::linear_photo::{NamedPhoto, Photo};
 use crate::measurement::Measurement;
 use crate::options::{Options, Setup, refuse_together};
+use crate::region::beside_white;
 use crate::remark::{Remark, three_digits};
 use crate::resolution::fit_finely;
 use crate::samples::Samples;
@@ -28,6 +31,13 @@ use crate::similar_medium::SimilarMedium;
 use crate::spot_fit::fit_spot;
 use crate::spot_place::SpotPlace;
 use crate::trace::{Trace, edge_line, spot_place};
+use crate::unknown_albedo::widen_by_albedo;
+
+/// Change of the light along the edge, over that in the middle, from which on it is said.
+const UNEVEN_ALONG: f64 = 0.05;
+
+/// Least pixels on a side of the part that is measured.
+const LEAST_REGION: usize = 16;
 
 /// Photographs of one view.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +99,7 @@ impl Experiment {
     /// A number is out of its range, options contradict each other, or the scale is missing.
     pub fn new(options: Options) -> Result<Self, MeasureError> {
         options.check()?;
-        options.scale(false)?;
+        options.scale_without_white()?;
         options.white_reflectances()?;
         let medium = SimilarMedium::new(&options)?;
         let mm_per_pixel = options.pixel_width()?;
@@ -106,14 +116,18 @@ impl Experiment {
         say: &mut dyn FnMut(Remark),
     ) -> Result<Measurement, MeasureError> {
         self.check(&photographs)?;
-        let scale = self.options.scale(photographs.white.is_some())?;
+        let has_white = self.options.white.is_some() || photographs.white.is_some();
         let calibrated = self.calibrate(photographs, say)?;
-        let (trace, samples, mut fit) = self.fit(&calibrated, scale, say)?;
-        calibrated.calibration.widen(&mut fit);
+        let scale =
+            if has_white { self.white_scale(&calibrated)? } else { self.options.scale_without_white()? };
+        let (trace, samples, scale, mut fit) = self.fit(&calibrated, scale, say)?;
         let Calibrated { photo: NamedPhoto { name, photo }, region, .. } = calibrated;
         refuse_unseen(&fit, &samples, &name)?;
         say(describe_outline(&fit));
         let alternative = AlternativeModel::best(&fit, &samples, scale);
+        if scale == Scale::Unknown {
+            widen_by_albedo(&mut fit, &samples, &self.medium.response);
+        }
         let mut limits = limitations(&fit, &samples, scale);
         limits.extend(alternative.warning(&fit, &samples));
         limits.iter().for_each(|limit| say(limit.clone()));
@@ -144,6 +158,28 @@ impl Experiment {
         ])
     }
 
+    /// The part that is measured: the one that is stated, or all, without the white card.
+    fn region(&self, photo: &NamedPhoto, say: &mut dyn FnMut(Remark)) -> Result<[usize; 4], MeasureError> {
+        let Photo { width, height, .. } = photo.photo;
+        let stated = self.options.region.unwrap_or([0, 0, width, height]);
+        photo.part("region", stated)?;
+        let Some(white) = self.options.white else { return Ok(stated) };
+        photo.part("white", white)?;
+        let shows_edge = |part: &Photo| match self.options.edge {
+            None => EdgeLine::find(part).is_ok(),
+            // The line is where it is: part of the piece must be on either side
+            Some(_) => part.width >= LEAST_REGION && part.height >= LEAST_REGION,
+        };
+        let region = beside_white(&photo.photo, stated, white, shows_edge);
+        if region != stated {
+            let [x0, y0, x1, y1] = region;
+            say(Remark::Finding(format!(
+                "measured in {x0},{y0},{x1},{y1}, beside the white card (`region`)"
+            )));
+        }
+        Ok(region)
+    }
+
     /// Merges exposures, finds the spot, checks what is clipped, subtracts the dark, divides by white.
     fn calibrate(
         &self,
@@ -153,7 +189,7 @@ impl Experiment {
         let options = &self.options;
         let Photographs { photo, exposures, dark, white } = photographs;
         let mut photo = merged(photo, exposures)?;
-        let region = options.region.unwrap_or([0, 0, photo.photo.width, photo.photo.height]);
+        let region = self.region(&photo, say)?;
         let piece = photo.part("region", region)?;
         // A spot may be anywhere before it is known how much of its light is lost
         let spot = match options.setup {
@@ -168,6 +204,7 @@ impl Experiment {
         };
         if let Some(white) = options.white {
             check_clipping(&photo.part("white", white)?, &photo.name, say)?;
+            note_equal_white(&photo, white, say);
         }
         if let Some(dark) = &dark {
             dark.require_size_of(&photo.photo)?;
@@ -187,13 +224,62 @@ impl Experiment {
         Ok(Calibrated { photo, region, spot, calibration })
     }
 
+    /// The scale of reflectances by what is white, with its errors before the place of the edge is known.
+    fn white_scale(&self, calibrated: &Calibrated) -> Result<Scale, MeasureError> {
+        let tolerance = self.options.white_error();
+        Ok(Scale::Reflectance(White {
+            reflectance: self.options.white_reflectances()?,
+            error: calibrated.calibration.errors().map(|error| tolerance.hypot(error)),
+            place: None,
+        }))
+    }
+
+    /// Light across the edge as even along it as light at the white card, and the scale with the card's place.
+    fn evened(
+        &self,
+        line: &EdgeLine,
+        region: [usize; 4],
+        samples: &mut Samples,
+        scale: Scale,
+        say: &mut dyn FnMut(Remark),
+    ) -> Scale {
+        let [first, last] = samples.along;
+        let slopes = samples.even_out_along();
+        let most = slopes.iter().map(|along| along.slope.abs() * (last - first)).fold(0.0, f64::max);
+        if most > UNEVEN_ALONG {
+            say(Remark::Finding(format!(
+                "the light changes by {:.0} % along the edge, which is taken out",
+                100.0 * most
+            )));
+        }
+        let (Scale::Reflectance(white), Some([x0, y0, x1, y1])) = (scale, self.options.white) else {
+            return scale;
+        };
+        let [x, y] = [0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64];
+        let [left, top] = corner(region);
+        let place = self.mm_per_pixel * line.distance_of(x - left, y - top);
+        let along = self.mm_per_pixel * line.along(x - left, y - top) - 0.5 * (first + last);
+        let light = slopes.map(|slope| (1.0 + slope.slope * along).max(0.1));
+        samples
+            .blocks
+            .iter_mut()
+            .flatten()
+            .for_each(|v| v.iter_mut().zip(light).for_each(|(v, light)| *v *= light));
+        let error = std::array::from_fn(|c| {
+            let SlopeAlong { slope, error } = slopes[c];
+            // Of the slope, and of the square that an exponential has beside a straight line
+            white.error[c].hypot(error * along / light[c]).hypot(0.5 * (slope * along).powi(2))
+        });
+        Scale::Reflectance(White { error, place: Some(place), ..white })
+    }
+
     /// Fits the light across the edge, or around the spot.
     fn fit(
         &self,
         calibrated: &Calibrated,
         scale: Scale,
         say: &mut dyn FnMut(Remark),
-    ) -> Result<(Trace, Samples, Fit), MeasureError> {
+    ) -> Result<(Trace, Samples, Scale, Fit), MeasureError> {
         let Calibrated { photo, region, spot, .. } = calibrated;
         let piece = photo.part("region", *region)?;
         if let Some((place, core)) = *spot {
@@ -203,17 +289,18 @@ impl Experiment {
                 MeasureError::of_photo(&photo.name, message)
                     .with_help("show more of the piece around the spot, or set `center`")
             })?;
-            return Ok((Trace::Spot(place), samples, fit));
+            return Ok((Trace::Spot(place), samples, scale, fit));
         }
         let line = edge_line(&piece, corner(*region), &photo.name, &self.options, say)?;
-        let samples = line.samples(&piece, self.mm_per_pixel);
+        let mut samples = line.samples(&piece, self.mm_per_pixel);
+        let scale = self.evened(&line, *region, &mut samples, scale, say);
         let (samples, fit) =
             fit_finely(samples, |samples| self.edge_fit(samples, scale), say).ok_or_else(|| {
                 let message =
                     "nothing gets brighter across the edge, or it has fewer than 16 pixels on a side";
                 MeasureError::of_photo(&photo.name, message)
             })?;
-        Ok((Trace::Line(line), samples, fit))
+        Ok((Trace::Line(line), samples, scale, fit))
     }
 
     fn edge_fit(&self, samples: &Samples, scale: Scale) -> Option<Fit> {
@@ -269,12 +356,13 @@ fn refuse_unseen(fit: &Fit, samples: &Samples, name: &str) -> Result<(), Measure
 /// The shape that the light was taken for.
 fn describe_outline(fit: &Fit) -> Remark {
     Remark::Finding(match fit.outline {
-        Outline::Edge { card: Card::Hidden, .. } => {
-            String::from("the dark side shows light that creeps into a shadow (`card` hidden)")
-        }
-        Outline::Edge { card: Card::Visible, .. } => {
-            String::from("the dark side shows the card: the lit side is measured (`card` visible)")
-        }
+        Outline::Edge { card: Card::Hidden, .. } => String::from(
+            "the dark side shows light that creeps into a shadow (`card` hidden): stray light is measured there",
+        ),
+        Outline::Edge { card: Card::Visible, .. } => String::from(
+            "the dark side shows the card: the lit side is measured (`card` visible), and intervals hold that the \
+                 card's light may be stray light",
+        ),
         Outline::Spot { radius } => format!(
             "a spot of {} mm radius, its edge as soft as {} mm",
             three_digits(radius),

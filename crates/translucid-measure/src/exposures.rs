@@ -17,14 +17,15 @@ impl Photo {
         if exposures.iter().any(|photo| [photo.width, photo.height] != [first.width, first.height]) {
             return None;
         }
-        let ceilings: Vec<f32> = exposures.iter().map(|photo| CEILING * photo.greatest()).collect();
-        let is_whole = |i: usize, p: usize, c: usize| exposures[i].pixels[p][c] < ceilings[i];
+        let ceilings: Vec<[f32; 3]> =
+            exposures.iter().map(|photo| photo.greatest().map(|v| CEILING * v)).collect();
+        let is_whole = |i: usize, p: usize, c: usize| exposures[i].pixels[p][c] < ceilings[i][c];
         // Exposure times over that of the first
         let ratio = |i: usize| {
             let (mut joint, mut square) = (0.0, 0.0);
             for (p, c) in (0..first.pixels.len()).flat_map(|p| (0..3).map(move |c| (p, c))) {
                 let [a, b] = [first, &exposures[i]].map(|photo| f64::from(photo.pixels[p][c]));
-                if is_whole(0, p, c) && is_whole(i, p, c) && a > BRIGHT * f64::from(ceilings[0]) {
+                if is_whole(0, p, c) && is_whole(i, p, c) && a > BRIGHT * f64::from(ceilings[0][c]) {
                     (joint, square) = (joint + a * b, square + a * a);
                 }
             }

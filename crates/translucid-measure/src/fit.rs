@@ -3,10 +3,47 @@
 /// Scale of the values of a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
-    /// Over those of a white card under the same light.
-    Reflectance,
-    /// Anything in proportion to it: surface albedos are given.
+    /// Reflectances, by something white under the same light.
+    Reflectance(White),
+    /// Anything in proportion to them: surface albedos are given.
     Relative([f64; 3]),
+    /// Anything in proportion to them, and nothing is known of the surface albedos: the fit takes [`USUAL_ALBEDO`].
+    Unknown,
+}
+
+/// Surface albedo of a fit where none is known.
+pub const USUAL_ALBEDO: f64 = 0.7;
+
+/// Something white, by which light becomes a reflectance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct White {
+    /// Its reflectances.
+    pub reflectance: [f64; 3],
+    /// Relative standard errors of the reflectances that it leads to.
+    pub error: [f64; 3],
+    /// Its place across the edge \[L\]; none where the light on the piece is known everywhere.
+    pub place: Option<f64>,
+}
+
+impl White {
+    /// Something white that is known exactly, in the light of the whole piece.
+    pub const PERFECT: Self = Self { reflectance: [1.0; 3], error: [0.0; 3], place: None };
+}
+
+impl Scale {
+    /// Whether values are reflectances.
+    pub fn is_reflectance(&self) -> bool {
+        matches!(self, Self::Reflectance(_))
+    }
+
+    /// The surface albedo of a channel, where it is not measured.
+    pub fn albedo(&self, c: usize) -> Option<f64> {
+        match self {
+            Self::Reflectance(_) => None,
+            Self::Relative(albedos) => Some(albedos[c]),
+            Self::Unknown => Some(USUAL_ALBEDO),
+        }
+    }
 }
 
 /// A value, and where the truth is with so much confidence.
@@ -33,7 +70,7 @@ pub struct ChannelFit {
     pub correlation: f64,
     /// Stray light over the lit side's, or over the spot's middle; the card's own where it is visible.
     pub stray: f64,
-    /// Uneven light: by how much it changes over the places, over its mean.
+    /// Uneven light: by how much it changes over the places, over that where its scale is known.
     pub unevenness: f64,
 }
 

@@ -12,13 +12,16 @@
 //! linear_photo.rs      pixels in linear numbers
 //! exposures.rs         several exposures as one
 //! clipping.rs          light that is lost at either end of the range
+//! pile_up.rs           values that share the greatest one
 //! cut_noise.rs         the part of the dark's noise that a file has cut off
 //! calibration.rs       light as reflectance, by something white
 //!
+//! region.rs            the part of a photograph beside a white card
 //! trace.rs             place of the light's shape
 //! edge_line.rs         where the card ends, and the light across that line
 //! spot_place.rs        where a spot is, and the light around it
 //! samples.rs           light by place, in blocks
+//! even_light.rs        light that changes along the edge, taken out
 //! resolution.rs        samples as fine as a fit needs
 //!
 //! response.rs          how a piece answers stripes of light: its modulation transfer function
@@ -32,6 +35,7 @@
 //! fit.rs               the numbers of a fit
 //! similar_medium.rs    media with the same light as isotropic scatterers
 //! alternative_model.rs models that are no half space
+//! unknown_albedo.rs    intervals where the surface albedo is not known
 //! detectability.rs     whether a mean free path can be told from none
 //! limitations.rs       limits of a measurement, in sentences
 //!
@@ -64,6 +68,7 @@ mod edge;
 mod edge_fit;
 mod edge_line;
 mod error;
+mod even_light;
 mod experiment;
 mod exposures;
 mod fit;
@@ -72,6 +77,8 @@ mod limitations;
 mod linear_photo;
 mod measurement;
 mod options;
+mod pile_up;
+mod region;
 mod remark;
 mod resolution;
 mod response;
@@ -87,6 +94,7 @@ mod spot_fit;
 mod spot_place;
 mod trace;
 mod unknown;
+mod unknown_albedo;
 
 pub use alternative_model::AlternativeModel;
 pub use edge::{Edge, EdgeModel};
@@ -94,7 +102,7 @@ pub use edge_fit::{fit_edge, fit_edge_of};
 pub use edge_line::{EdgeLine, NoEdge};
 pub use error::MeasureError;
 pub use experiment::{Experiment, Photographs};
-pub use fit::{Card, ChannelFit, Fit, Interval, Outline, Scale};
+pub use fit::{Card, ChannelFit, Fit, Interval, Outline, Scale, USUAL_ALBEDO, White};
 pub use known_shape::{Estimate, KnownShape, Progress, Request, SEEDS};
 pub use linear_photo::{NamedPhoto, Photo};
 pub use measurement::{Measurement, Quantity};

@@ -1,11 +1,15 @@
 //! Limits of a measurement, in plain sentences.
 
-use crate::fit::{ChannelFit, Fit, Outline, Scale};
+use crate::fit::{Card, ChannelFit, Fit, Outline, Scale, USUAL_ALBEDO};
 use crate::remark::{CHANNELS, Remark, three_digits};
 use crate::samples::Samples;
+use crate::unknown_albedo::PLAUSIBLE;
 
 /// Change of the light across the picture, over its mean, from which on it is called uneven.
 const UNEVEN: f64 = 0.5;
+
+/// Reflectance that a black card hardly has.
+const BRIGHT_CARD: f64 = 0.045;
 
 /// Mean square of residuals over the noise from which on the model does not explain the light.
 pub(crate) const MISFIT: f64 = 2.0;
@@ -13,11 +17,21 @@ pub(crate) const MISFIT: f64 = 2.0;
 /// The limits of a fit: first notes, then warnings.
 pub(crate) fn limitations(fit: &Fit, samples: &Samples, scale: Scale) -> Vec<Remark> {
     let mut all = Vec::new();
-    if let Scale::Relative(albedos) = scale {
-        let shown = albedos.map(|a| a.to_string()).join(", ");
-        all.push(Remark::Note(format!(
-            "without a white card only lengths are measured, for surface albedos of {shown}"
-        )));
+    match scale {
+        Scale::Reflectance(_) => {}
+        Scale::Relative(albedos) => {
+            let shown = albedos.map(|a| a.to_string()).join(", ");
+            all.push(Remark::Note(format!(
+                "without a white card only lengths are measured, for surface albedos of {shown}"
+            )));
+        }
+        Scale::Unknown => {
+            let [least, most] = PLAUSIBLE;
+            all.push(Remark::Note(format!(
+                "without a white card only lengths are measured: their values are for a surface albedo of {USUAL_ALBEDO}, \
+                 their intervals hold those for {least} to {most}; `surface_albedo` narrows them"
+            )));
+        }
     }
     for (name, channel) in CHANNELS.iter().zip(&fit.channels) {
         all.extend(limit_of_mfp(name, channel, fit, samples));
@@ -25,6 +39,15 @@ pub(crate) fn limitations(fit: &Fit, samples: &Samples, scale: Scale) -> Vec<Rem
             all.push(Remark::Warning(format!(
                 "{name}: brighter than any surface in the light of the white card: is a highlight in the way, or \
                  `white_reflectance` too high?"
+            )));
+        }
+        let is_card = matches!(fit.outline, Outline::Edge { card: Card::Visible, .. });
+        if is_card && channel.surface_albedo.is_some_and(|albedo| channel.stray * albedo.value > BRIGHT_CARD)
+        {
+            all.push(Remark::Warning(format!(
+                "{name}: the card is {:.1} % as bright as the piece: if that is stray light of the camera, the surface albedo \
+                 is too high; a blacker card narrows the intervals",
+                100.0 * channel.stray
             )));
         }
         if channel.unevenness.abs() > UNEVEN {

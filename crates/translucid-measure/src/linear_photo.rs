@@ -85,7 +85,7 @@ impl Photo {
 
     /// The share of values that are 1, where a camera or a file has cut off what is brighter; 0 where some are greater.
     pub fn clipped(&self) -> f64 {
-        if self.greatest() != 1.0 {
+        if self.greatest().into_iter().fold(0.0, f32::max) != 1.0 {
             return 0.0;
         }
         let count = self.pixels.iter().flatten().filter(|value| **value == 1.0).count();
@@ -101,9 +101,9 @@ impl Photo {
         }
     }
 
-    /// The greatest value.
-    pub(crate) fn greatest(&self) -> f32 {
-        self.pixels.iter().flatten().copied().fold(0.0, f32::max)
+    /// The greatest value of each channel, at least 0.
+    pub(crate) fn greatest(&self) -> [f32; 3] {
+        self.pixels.iter().fold([0.0; 3], |most, pixel| std::array::from_fn(|c| f32::max(most[c], pixel[c])))
     }
 
     /// Mean of the channels in a column and a row.

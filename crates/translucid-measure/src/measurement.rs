@@ -65,12 +65,8 @@ impl Measurement {
 
     /// Surface albedos of the material, measured or given.
     pub fn surface_albedos(&self) -> [f64; 3] {
-        match self.scale {
-            Scale::Relative(albedos) => albedos,
-            Scale::Reflectance => self
-                .fit
-                .channels
-                .map(|channel| channel.surface_albedo.map_or(0.0, |albedo| albedo.value.clamp(0.0, 1.0))),
-        }
+        let measured =
+            |channel: &ChannelFit| channel.surface_albedo.map_or(0.0, |albedo| albedo.value.clamp(0.0, 1.0));
+        std::array::from_fn(|c| self.scale.albedo(c).unwrap_or_else(|| measured(&self.fit.channels[c])))
     }
 }

@@ -34,6 +34,8 @@ pub struct Options {
     pub white: Option<[usize; 4]>,
     /// Reflectance of what is white, in (0, 1]: one or three. By default that of paper, 0.9, or 1 for the panel behind a slab.
     pub white_reflectance: Vec<f64>,
+    /// Relative standard error of that reflectance, in \[0, 0.5\]. By default 0.02, or 0 for the panel behind a slab.
+    pub white_tolerance: Option<f64>,
     /// Surface albedo where nothing white is seen, in (0, 1): one or three. By default 0.7.
     pub surface_albedo: Vec<f64>,
     /// Part of the photograph that is measured; by default all of it.
@@ -65,6 +67,7 @@ impl Default for Options {
             ruler: None,
             white: None,
             white_reflectance: Vec::new(),
+            white_tolerance: None,
             surface_albedo: Vec::new(),
             region: None,
             edge: None,
@@ -81,14 +84,17 @@ impl Default for Options {
 /// Greatest length that an option states \[mm\].
 const LONGEST: f64 = 1e6;
 
-/// Surface albedo of the shape where none is known.
-const USUAL_ALBEDO: f64 = 0.7;
-
 /// Greatest surface albedo that may be stated.
 const GREATEST_ALBEDO: f64 = 0.9999;
 
 /// Reflectance of white paper.
 const PAPER: f64 = 0.9;
+
+/// Relative standard error of the reflectance of white paper: of nine in ten sheets it is 0.87 to 0.93.
+const PAPER_TOLERANCE: f64 = 0.02;
+
+/// Greatest relative standard error that may be stated.
+const GREATEST_TOLERANCE: f64 = 0.5;
 
 impl Options {
     /// Refuses numbers out of their range and options that contradict each other.
@@ -121,6 +127,10 @@ impl Options {
                 let message = format!("`{name}` is {}, but must be finite numbers of pixels", list(point));
                 return Err(MeasureError::new(message));
             }
+        }
+        if let Some(wrong) = self.white_tolerance.filter(|v| !(0.0..=GREATEST_TOLERANCE).contains(v)) {
+            let message = format!("`white_tolerance` is {wrong}, but must be in [0, {GREATEST_TOLERANCE}]");
+            return Err(MeasureError::new(message));
         }
         match self.incidence {
             Some(angle) if angle.is_nan() || angle.abs() >= 90.0 => {
@@ -176,16 +186,18 @@ impl Options {
         }
     }
 
-    /// Scale of the light: reflectances where something white is seen, otherwise shares of its own with the surface albedos
-    /// that are given.
-    pub(crate) fn scale(&self, has_white_photo: bool) -> Result<Scale, MeasureError> {
-        if self.white.is_some() || has_white_photo {
-            return Ok(Scale::Reflectance);
-        }
+    /// Scale of light without something white: shares of its own, with the surface albedos that are given.
+    pub(crate) fn scale_without_white(&self) -> Result<Scale, MeasureError> {
         if self.surface_albedo.is_empty() {
-            return Ok(Scale::Relative([USUAL_ALBEDO; 3]));
+            return Ok(Scale::Unknown);
         }
         three("surface_albedo", &self.surface_albedo, GREATEST_ALBEDO).map(Scale::Relative)
+    }
+
+    /// Relative standard error of the reflectance of what is white.
+    pub(crate) fn white_error(&self) -> f64 {
+        let by_default = if self.setup == Setup::Slab { 0.0 } else { PAPER_TOLERANCE };
+        self.white_tolerance.unwrap_or(by_default)
     }
 
     /// Reflectances of what is white.

@@ -26,7 +26,7 @@ impl Remark {
 pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Names that stand between backticks.
-const NAMES: [&str; 23] = [
+const NAMES: [&str; 24] = [
     "card",
     "center",
     "configuration",
@@ -50,6 +50,7 @@ const NAMES: [&str; 23] = [
     "white",
     "white_photo",
     "white_reflectance",
+    "white_tolerance",
 ];
 
 /// A text in which the name of each option is spelled as the caller does: `--mm-per-pixel` for a command.

@@ -81,6 +81,7 @@ impl Samples {
             places: groups.iter().map(|g| self.places[g.clone()].iter().sum::<f64>() / count).collect(),
             pixel_width: count * self.pixel_width,
             blocks: self.blocks.iter().map(mean).collect(),
+            along: self.along,
         }
     }
 
@@ -92,6 +93,7 @@ impl Samples {
             places: self.places[first..end].to_vec(),
             pixel_width: self.pixel_width,
             blocks: self.blocks.iter().map(|block| block[first..end].to_vec()).collect(),
+            along: self.along,
         }
     }
 }
@@ -104,7 +106,7 @@ mod tests {
     fn samples() -> Samples {
         let places: Vec<f64> = (0..103).filter(|i| !(40..45).contains(i)).map(f64::from).collect();
         let block = |offset: f64| places.iter().map(|x| [x + offset, 2.0 * x, 1.0]).collect();
-        Samples { blocks: vec![block(0.0), block(1.0)], pixel_width: 1.0, places }
+        Samples { blocks: vec![block(0.0), block(1.0)], pixel_width: 1.0, places, along: [0.0; 2] }
     }
 
     #[test]

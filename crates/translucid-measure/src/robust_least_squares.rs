@@ -128,7 +128,8 @@ fn weighted_sum(values: &[f64], weights: &[f64]) -> f64 {
 }
 
 fn huber(values: &[f64]) -> Vec<f64> {
-    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    // What is left out has no residual
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|size| *size != 0.0).collect();
     sizes.sort_by(f64::total_cmp);
     // The median of |r| of a normal distribution is 0.6745 of its standard deviation
     let limit = HUBER * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745;

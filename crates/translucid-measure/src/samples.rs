@@ -9,6 +9,8 @@ pub struct Samples {
     pub pixel_width: f64,
     /// Blocks along the edge, or sectors around the spot: for each place the linear values of three channels.
     pub blocks: Vec<Vec<[f64; 3]>>,
+    /// Where along the edge the blocks begin and end \[L\]; of sectors both are 0.
+    pub along: [f64; 2],
 }
 
 impl Samples {

@@ -45,10 +45,8 @@ impl SimilarMedium {
     /// Turns the mean free paths of isotropic scatterers into those of the similar medium.
     pub(crate) fn scale(&self, fit: &mut Fit, scale: Scale) -> Result<(), MeasureError> {
         for (c, channel) in fit.channels.iter_mut().enumerate() {
-            let albedo = match (scale, channel.surface_albedo) {
-                (Scale::Relative(albedos), _) => albedos[c],
-                (Scale::Reflectance, albedo) => albedo.map_or(0.0, |albedo| albedo.value.clamp(1e-3, 0.9999)),
-            };
+            let measured = channel.surface_albedo.map_or(0.0, |albedo| albedo.value.clamp(1e-3, 0.9999));
+            let albedo = scale.albedo(c).unwrap_or(measured);
             let factor = self.mfp(albedo).map_err(|error| MeasureError::new(error.to_string()))?;
             let Interval { value, likely, sure } = channel.mfp;
             channel.mfp = Interval {

@@ -12,9 +12,9 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use crate::clusters::Clusters;
+use crate::clusters::{Clusters, CommonErrors};
 use crate::detectability::is_detectable;
-use crate::fit::{ChannelFit, Fit, Outline, Scale};
+use crate::fit::{ChannelFit, Fit, Outline, Scale, White};
 use crate::response::Response;
 use crate::samples::Samples;
 use crate::spot::{Spot, SpotModel};
@@ -28,7 +28,9 @@ const OF_CHANNEL: usize = 3;
 /// `None` where there are fewer than six sectors or 16 places, numbers that are not finite, or nothing brighter in the middle.
 pub fn fit_spot(samples: &Samples, response: &Response, scale: Scale) -> Option<Fit> {
     let problem = Problem::new(samples, response, scale)?;
-    let found = problem.clusters.fit(|p, c| problem.light(p, c), &problem.starts(), &problem.scales())?;
+    let light = |p: &[f64], c: usize| problem.light(p, c);
+    let common_errors = |p: &[f64]| problem.common_errors(p);
+    let found = problem.clusters.fit(light, common_errors, &problem.starts(), &problem.scales())?;
     let p = &found.parameters;
     let curves = [0, 1, 2].map(|c| problem.light(p, c));
     let channel = |c: usize| {
@@ -36,7 +38,7 @@ pub fn fit_spot(samples: &Samples, response: &Response, scale: Scale) -> Option<
         let stray = p[first + 2];
         ChannelFit {
             mfp: found.interval(first, libm::exp),
-            surface_albedo: (scale == Scale::Reflectance).then(|| found.interval(first + 1, |a| a)),
+            surface_albedo: scale.is_reflectance().then(|| found.interval(first + 1, |a| a)),
             is_seen: is_detectable(samples, p[1], p[first], found.error(first)),
             correlation: found.correlation(first, first + 1),
             stray: stray / (curves[c][0] - stray).max(f64::MIN_POSITIVE),
@@ -100,9 +102,10 @@ impl<'a> Problem<'a> {
             power += area * (self.clusters.means[3 * i + c] - self.stray(c)).max(0.0);
             inner = outer;
         }
-        match self.scale {
-            Scale::Reflectance => self.response.albedo_of_level(power, mfp),
-            Scale::Relative(_) => power.max(f64::MIN_POSITIVE),
+        if self.scale.is_reflectance() {
+            self.response.albedo_of_level(power, mfp)
+        } else {
+            power.max(f64::MIN_POSITIVE)
         }
     }
 
@@ -149,14 +152,22 @@ impl<'a> Problem<'a> {
         Rc::clone(&curves[0].1)
     }
 
+    /// The error of the reflectance's scale, which the sectors share.
+    fn common_errors(&self, p: &[f64]) -> CommonErrors {
+        let Scale::Reflectance(White { error, .. }) = self.scale else { return CommonErrors::default() };
+        let curves = [0, 1, 2].map(|c| self.light(p, c));
+        let scaled = (0..self.samples.places.len()).flat_map(|i| [0, 1, 2].map(|c| error[c] * curves[c][i]));
+        CommonErrors { normal: vec![scaled.collect()], ..CommonErrors::default() }
+    }
+
     /// The model's values of a channel.
     fn light(&self, p: &[f64], c: usize) -> Vec<f64> {
         let [log_mfp, value, stray]: [f64; OF_CHANNEL] =
             std::array::from_fn(|i| p[SHARED + c * OF_CHANNEL + i]);
         let mfp = libm::exp(log_mfp).max(1e-3 * self.samples.pixel_width).min(30.0 * self.samples.extent());
-        let (surface_albedo, gain) = match self.scale {
-            Scale::Reflectance => (value, self.response.level(value, mfp)),
-            Scale::Relative(albedos) => (albedos[c], value),
+        let (surface_albedo, gain) = match self.scale.albedo(c) {
+            None => (value, self.response.level(value, mfp)),
+            Some(albedo) => (albedo, value),
         };
         let curve = self.curve(&Spot { surface_albedo, mfp, radius: p[0].abs(), blur: p[1].abs() });
         curve.iter().map(|light| stray + gain * light).collect()
@@ -250,7 +261,7 @@ mod tests {
             };
             clean.iter().zip(&places).map(noisy).collect()
         });
-        Samples { pixel_width: 0.1, blocks: blocks.collect(), places }
+        Samples { pixel_width: 0.1, blocks: blocks.collect(), along: [0.0; 2], places }
     }
 
     /// Intervals of three channels hold the truth as often as they say to 4.5 standard deviations, which a run would miss once
@@ -265,7 +276,7 @@ mod tests {
         let pictures = power(120);
         for _ in 0..pictures {
             let samples = photographed(&truths, 0.05, &mut random);
-            let fit = fit_spot(&samples, &response, Scale::Reflectance).unwrap();
+            let fit = fit_spot(&samples, &response, Scale::Reflectance(White::PERFECT)).unwrap();
             for c in 0..3 {
                 let holds = |interval: [f64; 2], truth| interval[0] <= truth && truth <= interval[1];
                 let ChannelFit { mfp, surface_albedo, .. } = fit.channels[c];

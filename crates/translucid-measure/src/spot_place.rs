@@ -127,7 +127,8 @@ impl SpotPlace {
 
     /// Distance of the farthest pixel with a value of 1 or more, where light is lost, and half of its width; 0 where there is none.
     pub fn core(&self, photo: &Photo) -> f64 {
-        let is_lost = |i: &usize| photo.pixels[*i].iter().any(|value| *value >= 1.0);
+        let greatest = [0, 1, 2].map(|c| photo.pile_up(c).map_or(1.0, |pile| pile.from.min(1.0)));
+        let is_lost = |i: &usize| photo.pixels[*i].iter().zip(greatest).any(|(value, most)| *value >= most);
         let farthest = (0..photo.pixels.len()).filter(is_lost);
         farthest.map(|i| self.distance(i % photo.width, i / photo.width) + 1.0).fold(0.0, f64::max)
     }
@@ -167,6 +168,7 @@ impl SpotPlace {
             places: seen.iter().map(place).collect(),
             pixel_width: ring * pixel_width,
             blocks: (0..SECTORS).map(|s| seen.iter().map(|i| mean(s, i)).collect()).collect(),
+            along: [0.0; 2],
         }
     }
 

@@ -10,11 +10,11 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         return None;
     }
     let name = normalized(name);
-    let limit = (name.chars().count() / 3).max(1);
+    let limit = |candidate: &str| (name.chars().count().max(candidate.chars().count()) / 3).max(1);
     candidates
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(&name, &normalized(candidate)), candidate))
-        .filter(|&(distance, _)| distance <= limit)
+        .filter(|&(distance, candidate)| distance <= limit(candidate))
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
 }
@@ -34,6 +34,7 @@ mod tests {
         assert_eq!(nearest("Target", names), Some("target"));
         assert_eq!(nearest("vof", names), None);
         assert_eq!(nearest("fv", names), Some("fov"));
+        assert_eq!(nearest("mabel", ["marble", "milk"]), Some("marble"));
         assert_eq!(nearest("", names), None);
         assert_eq!(nearest(&"x".repeat(1_000_000), names), None);
     }

@@ -12,7 +12,7 @@ use translucid_fit::{
 use translucid_profile::{ParameterError, Parameterization};
 
 use crate::arrays::{Any, Numbers, Rule, array_like};
-use crate::profile::Profile;
+use crate::profile::{FAMILIES, Profile, profile_of_fit};
 use crate::profiles::SharedProfile;
 use crate::{long_work, names};
 
@@ -22,7 +22,6 @@ const LEAST_ERROR: f64 = 1e-250;
 const MOST_SAMPLES: usize = 1_000_000;
 /// Terms where their number is not said.
 const TERMS: usize = 2;
-const FAMILIES: [&str; 3] = ["normalized-diffusion", "exponentials", "gaussians"];
 
 /// A sum fitted to samples or to a profile, with the uncertainties of its parameters.
 ///
@@ -85,6 +84,16 @@ impl Fit {
         })
     }
 }
+
+/// A value and its error.
+type Pair = (f64, f64);
+
+/// χ², degrees of freedom, whether it is singular, and residuals.
+type SampleQuality = (f64, usize, bool, Vec<f64>);
+
+/// A fit as pickles have it: the family; total, weights and scales; the quality of one of samples, or the L1 distance of another;
+/// the energy of the profile and its terms.
+type State = (String, Pair, Vec<Pair>, Vec<Pair>, Option<SampleQuality>, f64, f64, Vec<Pair>);
 
 fn numbers<'py>(py: Python<'py>, numbers: impl Iterator<Item = f64>) -> PyResult<Any<'py>> {
     // What nothing limits is as large as can be
@@ -191,6 +200,47 @@ impl Fit {
             open.push(String::from("some combination of parameters"));
         }
         open
+    }
+
+    /// The call that makes it again, for pickles.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Any<'py>, (State,))> {
+        let this = slf.get();
+        let pair = |estimate: &Estimate| (estimate.value, estimate.error);
+        let pairs = |estimates: &[Estimate]| estimates.iter().map(pair).collect();
+        let (of_samples, l1_error) = match &this.quality {
+            Quality::Samples { chi_square, degrees_of_freedom, is_singular, residuals } => {
+                (Some((*chi_square, *degrees_of_freedom, *is_singular, residuals.clone())), 0.0)
+            }
+            Quality::Profile { l1_error } => (None, *l1_error),
+        };
+        let state = (
+            this.family.to_owned(),
+            pair(&this.total),
+            pairs(&this.weights),
+            pairs(&this.scales),
+            of_samples,
+            l1_error,
+            this.profile.surface_albedo(),
+            this.terms.clone(),
+        );
+        Ok((slf.get_type().getattr("_from_state")?, (state,)))
+    }
+
+    #[staticmethod]
+    fn _from_state(state: State) -> PyResult<Self> {
+        let (family, total, weights, scales, of_samples, l1_error, energy, terms) = state;
+        let profile = profile_of_fit(&family, energy, &terms)?;
+        let family = FAMILIES.into_iter().find(|known| *known == family).unwrap_or(FAMILIES[0]);
+        let estimate = |(value, error): Pair| Estimate { value, error };
+        let estimates = |pairs: Vec<Pair>| pairs.into_iter().map(estimate).collect();
+        let quality = match of_samples {
+            Some((chi_square, degrees_of_freedom, is_singular, residuals)) => {
+                Quality::Samples { chi_square, degrees_of_freedom, is_singular, residuals }
+            }
+            None => Quality::Profile { l1_error },
+        };
+        let (total, weights, scales) = (estimate(total), estimates(weights), estimates(scales));
+        Ok(Self { family, total, weights, scales, quality, profile, terms })
     }
 
     /// The fitted sum, to evaluate and to sample.

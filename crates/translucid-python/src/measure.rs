@@ -246,6 +246,7 @@ fn options(keys: &Bound<'_, PyDict>) -> PyResult<Options> {
         ruler: numbers(keys, "ruler")?,
         white: rectangle(keys, "white")?,
         white_reflectance: channels(keys, "white_reflectance")?,
+        white_tolerance: numbers::<1>(keys, "white_tolerance")?.map(|[x]| x),
         surface_albedo: channels(keys, "surface_albedo")?,
         region: rectangle(keys, "region")?,
         edge: numbers(keys, "edge")?,

@@ -294,18 +294,8 @@ impl Profile {
         total: f64,
         terms: Vec<(f64, f64)>,
     ) -> PyResult<Self> {
-        fn shared<F: Family + 'static>(total: f64, terms: &[(f64, f64)]) -> PyResult<SharedProfile> {
-            Ok(Arc::new(Mixture::<F>::new(total, terms).map_err(names::value_error)?))
-        }
-        let profile = match family {
-            "exponentials" => shared::<Exponential>(total, &terms),
-            "gaussians" => shared::<Gaussian>(total, &terms),
-            "normalized-diffusion" => shared::<Burley>(total, &terms),
-            _ => {
-                Err(names::unknown("family", family, &["normalized-diffusion", "exponentials", "gaussians"]))
-            }
-        };
-        Self::of_fit(class.py(), family, profile?, terms)
+        let profile = profile_of_fit(family, total, &terms)?;
+        Self::of_fit(class.py(), family, profile, terms)
     }
 
     /// The call that makes it again, for pickles.
@@ -627,6 +617,22 @@ impl Profile {
         let shape = &self.profiles.shape;
         let shape = if shape.is_empty() { String::new() } else { format!(" of shape {shape:?}") };
         format!("<{}{shape}>", self.description)
+    }
+}
+
+/// Families of fits.
+pub(crate) const FAMILIES: [&str; 3] = ["normalized-diffusion", "exponentials", "gaussians"];
+
+/// The sum of a family's terms.
+pub(crate) fn profile_of_fit(family: &str, total: f64, terms: &[(f64, f64)]) -> PyResult<SharedProfile> {
+    fn shared<F: Family + 'static>(total: f64, terms: &[(f64, f64)]) -> PyResult<SharedProfile> {
+        Ok(Arc::new(Mixture::<F>::new(total, terms).map_err(names::value_error)?))
+    }
+    match family {
+        "exponentials" => shared::<Exponential>(total, terms),
+        "gaussians" => shared::<Gaussian>(total, terms),
+        "normalized-diffusion" => shared::<Burley>(total, terms),
+        _ => Err(names::unknown("family", family, &FAMILIES)),
     }
 }
 

@@ -9,7 +9,7 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
-use translucid_load::{LoadOptions, Piece, SceneBuilder, load_scene};
+use translucid_load::{Floor, LoadOptions, Piece, SceneBuilder, UpAxis, Viewpoint, load_scene};
 use translucid_scene::{Film, Mesh, SceneError, SubsurfaceModel, Unit, Warning};
 
 use crate::arrays::{Any, Numbers, Rule, is_aligned};
@@ -152,6 +152,15 @@ impl Scene {
     ///     Width and height of the picture in pixels, each in [1, 16384], which a chosen camera is made for.
     /// subsurface : str, optional
     ///     Model of the transport under all surfaces, in place of the materials' own.
+    /// up : {'x', 'y', 'z', '-x', '-y', '-z'}, optional
+    ///     Axis of a mesh that points up; by default y, or z where one that is no glTF stands on that plane.
+    /// view : str, optional
+    ///     Side to look from: ``'front'``, ``'back'``, ``'left'``, ``'right'``, ``'top'``, ``'bottom'``, or
+    ///     ``'azimuth,elevation'`` in degrees.
+    /// floor : str, optional
+    ///     Floor below a mesh: ``'none'``, ``'backdrop'``, ``'shadow'``, ``'#rrggbb'`` or a grey in [0, 1].
+    /// camera : str, optional
+    ///     Camera of the file, by its name; by default the first.
     ///
     /// Returns
     /// -------
@@ -169,7 +178,8 @@ impl Scene {
     ///     ...
     /// translucid.SceneError: no-such.toml: cannot be read: No such file or directory (os error 2)
     #[classmethod]
-    #[pyo3(signature = (path, *, preset=None, unit=None, size=None, subsurface=None))]
+    #[pyo3(signature = (path, *, preset=None, unit=None, size=None, subsurface=None, up=None, view=None, floor=None, camera=None))]
+    #[expect(clippy::too_many_arguments, reason = "the options of the command")]
     fn load(
         class: &Bound<'_, PyType>,
         path: PathBuf,
@@ -177,14 +187,31 @@ impl Scene {
         unit: Option<&str>,
         size: Option<&Any<'_>>,
         subsurface: Option<&str>,
+        up: Option<&str>,
+        view: Option<&str>,
+        floor: Option<&str>,
+        camera: Option<String>,
     ) -> PyResult<Self> {
+        let axes = UpAxis::WORDS.map(|(word, _)| word).join(", ");
+        let floors = "none, backdrop, shadow, #rrggbb or a grey in [0, 1]";
+        let sides = "front, back, left, right, top, bottom or azimuth,elevation in degrees";
         let options = LoadOptions {
             preset,
             unit: unit.map(unit_of).transpose()?,
+            up: word("up", up, UpAxis::from_name, &axes)?,
+            viewpoint: word("view", view, Viewpoint::from_text, sides)?,
+            floor: word("floor", floor, Floor::from_text, floors)?,
+            camera,
             ..picture_options(size, subsurface)?
         };
         let scene = load(class.py(), path, options)?;
         Ok(Self::of(Making { builder: scene.into(), image_count: 0, light_count: 0 }))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Scene cannot be pickled: pass what it is made of, or the path of its file, and make it there",
+        ))
     }
 
     /// The files that a scene file or a mesh is read from: what another machine needs to load it.
@@ -600,9 +627,26 @@ pub(crate) fn whole_number(name: &str, argument: &Any<'_>, min: u64, max: u64) -
     })
 }
 
+/// What a word means, if it is given.
+fn word<T>(
+    name: &str,
+    text: Option<&str>,
+    read: impl Fn(&str) -> Option<T>,
+    allowed: &str,
+) -> PyResult<Option<T>> {
+    let wrong =
+        |text: &str| PyValueError::new_err(format!("{name} is {text:?}, but must be one of {allowed}"));
+    text.map(|text| read(text).ok_or_else(|| wrong(text))).transpose()
+}
+
 fn origin_of(array: &Any<'_>) -> PyResult<DVec3> {
     let numbers = Numbers::extract("origin", array)?;
-    numbers.require(&Rule::new("origin", "finite and within ±1e9", -LARGEST_COORDINATE, LARGEST_COORDINATE))?;
+    numbers.require(&Rule::new(
+        "origin",
+        "finite and within ±1e9",
+        -LARGEST_COORDINATE,
+        LARGEST_COORDINATE,
+    ))?;
     let found: Vec<f64> = numbers.iter().collect();
     let three: Result<[f64; 3], _> = found.try_into();
     three.map(DVec3::from_array).map_err(|found| {

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use crate::description::{Counts, Fallback, FileList, Item, Key, Slot, Table, Thing, field};
-use crate::{ColorSpace, SceneError};
+use crate::{ColorSpace, ImageKind, SceneError};
 
 use Fallback::{Plain, Words};
 
@@ -81,7 +81,7 @@ impl Environment {
         }
         let mut read = Self::DESCRIPTION.change(base.unwrap_or_default(), &table, files)?;
         if let Some(item) = file {
-            read.image = Some(files.image(&item, ColorSpace::Srgb)?);
+            read.image = Some(files.image(&item, ImageKind::Color(ColorSpace::Srgb))?);
         }
         Ok(read)
     }

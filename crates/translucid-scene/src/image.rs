@@ -9,12 +9,30 @@ use crate::interval::{WholeInterval, refusal};
 use crate::{SceneError, Wrap};
 
 /// Relation of stored values to linear light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColorSpace {
     /// sRGB transfer curve: colors in 8-bit files.
     Srgb,
     /// Values as they are: data, normals, float images.
     Linear,
+}
+
+/// How the numbers of an image file become an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ImageKind {
+    /// Colors: in the color space that the file states, or else in this one.
+    Color(ColorSpace),
+    /// Numbers in this color space, whatever the file states: data, and colors of formats that name the space themselves.
+    Plain(ColorSpace),
+}
+
+impl ImageKind {
+    /// The color space of a file that states none.
+    pub fn color_space(self) -> ColorSpace {
+        match self {
+            Self::Color(color_space) | Self::Plain(color_space) => color_space,
+        }
+    }
 }
 
 /// Pixels in rows from top to bottom, four channels red, green, blue, alpha.

@@ -34,7 +34,7 @@ mod texture;
 pub use camera::Camera;
 pub use environment::Environment;
 pub use error::{Place, SceneError, Warning};
-pub use image::{ColorSpace, Image, Pixels, SRGB_TABLE, linear_from_srgb};
+pub use image::{ColorSpace, Image, ImageKind, Pixels, SRGB_TABLE, linear_from_srgb};
 pub use interval::{Interval, WholeInterval};
 pub use light::Light;
 pub use material::{

@@ -54,10 +54,13 @@ pub(crate) struct MeasureArguments {
     /// Reflectance of the white paper, in (0, 1]: one or three, comma-separated [default: 0.9, or 1 for the panel behind a slab]
     #[arg(long, value_name = "R", value_delimiter = ',')]
     white_reflectance: Vec<f64>,
-    /// Surface albedo in place of a white card, in (0, 1): one or three; the mean free path depends on it a little
+    /// Relative standard error of that reflectance, in [0, 0.5] [default: 0.02, or 0 for the panel behind a slab]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    white_tolerance: Option<f64>,
+    /// Surface albedo in place of a white card, in (0, 1): one or three; the mean free path depends on it
     #[arg(long, value_name = "A", value_delimiter = ',')]
     surface_albedo: Vec<f64>,
-    /// Part of the photograph that shows the edge and nothing else [default: all of it]
+    /// Part of the photograph that shows the edge and nothing else [default: all of it but the white card]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_rectangle)]
     pub(super) region: Option<[usize; 4]>,
     /// Two points of the card's edge [default: found]
@@ -153,6 +156,7 @@ impl MeasureArguments {
             ruler: self.ruler,
             white: self.white,
             white_reflectance: self.white_reflectance.clone(),
+            white_tolerance: self.white_tolerance,
             surface_albedo: self.surface_albedo.clone(),
             region: self.region,
             edge: self.edge,

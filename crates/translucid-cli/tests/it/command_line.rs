@@ -110,6 +110,34 @@ fn options_of_other_renderers_get_a_hint() {
     }
 }
 
+/// A file in the place of a verb.
+#[test]
+fn files_without_a_verb_get_a_hint() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(folder.path(), "vase.stl");
+    assert_eq!(output.status.code(), Some(2));
+    let message = stderr(&output);
+    assert!(message.contains("translucid render vase.stl"), "{message}");
+    let message = stderr(&run(folder.path(), "rendr"));
+    assert!(message.contains("'render'"), "{message}");
+}
+
+/// Every line of a paragraph is full but its last: what the text's own lines break is not broken again.
+#[test]
+fn paragraphs_of_help_are_wrapped_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = stdout(folder.path(), "fit --help");
+    let lines: Vec<&str> = help.lines().skip_while(|line| !line.starts_with("Fits the exact")).collect();
+    for pair in lines.windows(2) {
+        let [this, next] = [pair[0], pair[1]];
+        let is_prose = |line: &str| !line.is_empty() && !line.starts_with(' ');
+        let word = next.split(' ').next().unwrap_or_default();
+        if is_prose(this) && is_prose(next) && !this.ends_with(['.', ';', ':']) {
+            assert!(this.len() + 1 + word.len() > 100, "{this}\n{next}");
+        }
+    }
+}
+
 /// A disk that is full takes no help.
 #[cfg(target_os = "linux")]
 #[test]

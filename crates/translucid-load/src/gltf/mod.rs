@@ -26,7 +26,7 @@ mod pose;
 mod textures;
 mod uri;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
@@ -34,7 +34,7 @@ use translucid_scene::{Mesh, Object, Place, Scene, SceneError, Unit, Warning, re
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
-use self::document::{Document, Node};
+use self::document::{Document, Node, Primitive};
 use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
@@ -45,6 +45,7 @@ use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use crate::loading::Loading;
 use crate::origin::Anchor;
+use crate::winding::{orient, orient_together, warn_of_turned};
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
@@ -117,6 +118,7 @@ fn read(
         unusable: None,
         hidden: 0,
         next_group: 0,
+        turned: 0,
         scene: MeshFile { origin, ..MeshFile::default() },
     };
     for (done, node) in placed.iter().enumerate() {
@@ -224,6 +226,18 @@ impl MeshUse<'_> {
     }
 }
 
+/// For each primitive whether an earlier one of the mesh is the same triangles again.
+fn repeated_primitives(primitives: &[Primitive]) -> Vec<bool> {
+    fn signature(
+        primitive: &Primitive,
+    ) -> (&document::Attributes, &Option<usize>, &Option<usize>, &Option<u32>, &[document::Attributes]) {
+        let Primitive { attributes, indices, material, mode, targets, .. } = primitive;
+        (attributes, indices, material, mode, targets)
+    }
+    let mut known = HashSet::new();
+    primitives.iter().map(signature).map(|signature| !known.insert(signature)).collect()
+}
+
 /// A scene on its way.
 struct Assembly<'a> {
     arrays: &'a Arrays<'a>,
@@ -245,6 +259,8 @@ struct Assembly<'a> {
     /// Number of meshes that are not visible.
     hidden: usize,
     next_group: u32,
+    /// Triangles that wound the other way than the rest of their body.
+    turned: usize,
     scene: MeshFile,
 }
 
@@ -287,8 +303,13 @@ impl Assembly<'_> {
         {
             self.skins.insert(skin, self.arrays.joint_maps(skin, &self.joints, part)?);
         }
+        let repeated = repeated_primitives(&mesh.primitives);
+        if repeated.contains(&true) {
+            notes.warn(&label, "primitives that repeat another one are left out");
+        }
         for world_from_local in self.places(node, placed, part)? {
-            for primitive in 0..mesh.primitives.len() {
+            let first = self.scene.objects.len();
+            for primitive in (0..mesh.primitives.len()).filter(|&number| !repeated[number]) {
                 let place = format!("{label} primitive {primitive} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
                 let of_mesh = MeshUse { index, mesh, primitive, node, world_from_local, name };
@@ -301,6 +322,9 @@ impl Assembly<'_> {
                     }
                     None => self.add_primitive(&of_mesh, &place)?,
                 }
+            }
+            if self.scene.objects[first..].iter().all(|object| !object.is_placed()) {
+                self.turned += orient_together(&mut self.scene.objects[first..]);
             }
             self.next_group = self.next_group.saturating_add(1);
         }
@@ -331,7 +355,7 @@ impl Assembly<'_> {
         }
         let weights = of.node.weights.as_ref().unwrap_or(&of.mesh.weights);
         self.arrays.add_targets(primitive, weights, part, &mut mesh)?;
-        if self.add_shared(of, &mesh, material.index, part)? {
+        if self.add_shared(of, &mut mesh, material.index, part)? {
             return Ok(());
         }
         let maps = match of.node.skin.and_then(|skin| self.skins.get(&skin)) {
@@ -356,7 +380,7 @@ impl Assembly<'_> {
     fn add_shared(
         &mut self,
         of: &MeshUse<'_>,
-        mesh: &Mesh,
+        mesh: &mut Mesh,
         material: usize,
         part: &str,
     ) -> Result<bool, SceneError> {
@@ -366,6 +390,7 @@ impl Assembly<'_> {
             return Ok(false);
         }
         let (place, mut of_mesh) = (Place::part(self.arrays.notes.path, part), Vec::new());
+        self.turned += orient(mesh);
         // One that cannot be repaired is told of when it is baked
         let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) else {
             return Ok(false);
@@ -406,6 +431,7 @@ impl Assembly<'_> {
 
     fn finish(self) -> Result<MeshFile, SceneError> {
         self.materials.report(self.arrays);
+        warn_of_turned(self.turned, &Place::file(self.arrays.notes.path), self.warnings);
         if self.scene.objects.is_empty() {
             let none = || {
                 let place = Place::file(self.arrays.notes.path);

@@ -160,10 +160,10 @@ impl Arrays<'_> {
                 };
                 match key.as_str() {
                     "POSITION" => {
-                        mesh.positions.iter_mut().zip(read()?).for_each(|(p, change)| *p = add(*p, change))
+                        mesh.positions.iter_mut().zip(read()?).for_each(|(p, change)| *p = add(*p, change));
                     }
                     "NORMAL" => {
-                        mesh.normals.iter_mut().zip(read()?).for_each(|(n, change)| *n = add(*n, change))
+                        mesh.normals.iter_mut().zip(read()?).for_each(|(n, change)| *n = add(*n, change));
                     }
                     "TANGENT" => {
                         for (tangent, change) in mesh.tangents.iter_mut().zip(read()?) {

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 
 use glam::{Affine2, Mat2, Vec2};
 use serde::Deserialize;
-use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError, TextureRef, Warning, Wrap};
+use translucid_scene::{ColorSpace, Image, ImageKind, Pixels, Place, SceneError, TextureRef, Warning, Wrap};
 
 use super::accessor::Arrays;
 use super::document::{self, TextureInfo};
 use super::uri;
-use crate::decode_image;
+use crate::image::{self, decode_for};
 
 /// Use of an image's pixels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -160,7 +160,8 @@ impl ImageShelf {
             (None, None) => return Err(String::from("it has neither a URI nor a bufferView")),
         };
         let place = Place::part(arrays.notes.path, label);
-        let image = decode_image(&place, &bytes, space, &mut self.warnings);
+        let kind = ImageKind::Plain(space);
+        let image = decode_for(image::Use::Gltf, &place, &bytes, kind, &mut self.warnings);
         image.map(|image| Image { path, ..image }).map_err(|error| error.message)
     }
 }

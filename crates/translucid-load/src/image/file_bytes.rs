@@ -25,15 +25,6 @@ impl ImageBytes<'_> {
         SceneError::at(self.place.clone(), message)
     }
 
-    pub(super) fn unknown_format(&self) -> SceneError {
-        let message = if self.bytes.is_empty() {
-            "is empty, but an image is expected"
-        } else {
-            "is not an image of a known format"
-        };
-        self.error(message).with_help("PNG, JPEG, TIFF, OpenEXR and Radiance HDR can be read")
-    }
-
     /// Number of pixels, refused before anything of that size is allocated.
     pub(super) fn check_size(&self, width: usize, height: usize) -> Result<usize, SceneError> {
         if width == 0 || height == 0 {

@@ -1,20 +1,27 @@
 //! JPEG images.
 
-use translucid_scene::{Pixels, Warning};
+use translucid_scene::Warning;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace as Layout;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::Decoded;
+use super::encoding::{Curve, Encoding, Samples};
 use super::file_bytes::ImageBytes;
+use super::tags::{Exif, ExifColor};
+use super::{Decoded, Picture, Stated};
+use crate::primaries::ADOBE_RGB;
 
 /// Decodes grey, YCbCr, CMYK and YCCK images to RGB.
 ///
 /// A file with damaged or missing data is decoded as far as it goes, with a warning.
 pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Decoded {
     let damaged = |error: &DecodeErrors| source.error(format!("damaged JPEG: {}", error.to_string().trim()));
+    if let Some(kind) = unread_kind(source.bytes) {
+        let error = source.error(format!("is a JPEG of {kind}, which cannot be read"));
+        return Err(error.with_help("save it as baseline JPEG, PNG or TIFF"));
+    }
     let options = DecoderOptions::default()
         .set_max_width(usize::MAX)
         .set_max_height(usize::MAX)
@@ -24,8 +31,8 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
     let mut header = decoder(options);
     header.decode_headers().map_err(|error| damaged(&error))?;
     let info = header.info().ok_or_else(|| source.error("damaged JPEG: no image"))?;
-    let [width, height] = [info.width, info.height].map(usize::from);
-    let count = source.check_size(width, height)?;
+    let size = [info.width, info.height].map(usize::from);
+    let count = source.check_size(size[0], size[1])?;
 
     let mut fault = lacks_end(source.bytes).then(|| String::from("its end is missing"));
     let samples = match decoder(options.set_strict_mode(true)).decode() {
@@ -43,7 +50,38 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
         return Err(source.error(format!("damaged JPEG: {} samples for {count} pixels", samples.len())));
     }
     let pixels = samples.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
-    Ok(([width, height], Pixels::Byte(pixels)))
+    let exif = header.exif().map(|exif| Exif::parse(exif)).unwrap_or_default();
+    let stated = match (header.icc_profile(), exif.color) {
+        (Some(profile), _) => Some(Stated::Icc(profile)),
+        (None, Some(ExifColor::AdobeRgb)) => {
+            let encoding = Encoding::new("Adobe RGB, by EXIF", Curve::Power(563.0 / 256.0), ADOBE_RGB);
+            Some(Stated::encoding(encoding))
+        }
+        (None, Some(ExifColor::Uncalibrated)) => {
+            Some(Stated::Unknown("its EXIF states no color space, but \"uncalibrated\"".into()))
+        }
+        (None, None) => None,
+    };
+    let is_gray = header.input_colorspace() == Some(Layout::Luma);
+    let orientation = exif.orientation;
+    Ok(Picture { size, samples: Samples::Byte(pixels), is_gray, stated, orientation })
+}
+
+/// A kind of JPEG that is valid but not read, by the marker of its frame (ITU-T T.81, table B.1).
+fn unread_kind(bytes: &[u8]) -> Option<&'static str> {
+    let mut at = 2;
+    loop {
+        let &[0xff, marker, high, low, precision, ..] = bytes.get(at..)? else { return None };
+        match marker {
+            0xc0..=0xc2 if precision == 12 => return Some("12 bits a channel"),
+            0xc0..=0xc2 | 0xda => return None,
+            0xc3 => return Some("the lossless kind"),
+            0xc5..=0xc7 => return Some("the hierarchical kind"),
+            0xc9..=0xcb | 0xcd..=0xcf => return Some("arithmetic coding"),
+            0xf7 => return Some("the kind JPEG-LS"),
+            _ => at += 2 + usize::from(u16::from_be_bytes([high, low])).max(2),
+        }
+    }
 }
 
 /// Whether no end marker follows the last scan; the decoder fills what is missing with grey.
@@ -97,6 +135,19 @@ mod tests {
     #[test]
     fn jpeg_of_inks_becomes_red_green_blue() {
         assert_halves(CMYK, [200, 100, 50], [0; 3]);
+    }
+
+    #[test]
+    fn jpeg_of_a_kind_that_is_not_read_is_called_by_name() {
+        let frame = COLOR.windows(2).position(|bytes| bytes == [0xff, 0xc0]).unwrap();
+        let with = |at: usize, byte: u8| {
+            let mut file = COLOR.to_vec();
+            file[frame + at] = byte;
+            decoded(&file).unwrap_err().to_string()
+        };
+        assert!(with(1, 0xc9).contains("is a JPEG of arithmetic coding"));
+        assert!(with(1, 0xc3).contains("is a JPEG of the lossless kind"));
+        assert!(with(4, 12).contains("is a JPEG of 12 bits a channel"));
     }
 
     #[test]

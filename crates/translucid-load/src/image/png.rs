@@ -1,69 +1,121 @@
 //! PNG images.
 
 use std::io::Cursor;
-use std::sync::LazyLock;
 
-use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
-use translucid_scene::{ColorSpace, Pixels, linear_from_srgb};
+use png::{BitDepth, CodingIndependentCodePoints, Decoder, Info, Limits, Transformations};
 
-use super::Decoded;
+use super::encoding::{Curve, Encoding, Samples};
 use super::file_bytes::ImageBytes;
+use super::tags::Exif;
+use super::{Decoded, Picture, Stated};
+use crate::primaries::{DISPLAY_P3, Primaries, REC_709, REC_2020};
 
-/// Decodes 8 bits a channel or less to bytes, 16 bits to linear floats.
-pub(super) fn decode(source: &ImageBytes<'_>, color_space: ColorSpace) -> Decoded {
+/// Decodes 8 bits a channel or less to bytes, 16 bits to 16 bits.
+pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let damaged = |error: png::DecodingError| source.error(format!("damaged PNG: {error}"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(source.bytes), Limits { bytes: usize::MAX });
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
     let header = decoder.read_header_info().map_err(damaged)?;
-    let [width, height] = [header.width, header.height].map(|edge| edge as usize);
-    source.check_size(width, height)?;
+    let size = [header.width, header.height].map(|edge| edge as usize);
+    source.check_size(size[0], size[1])?;
     let mut reader = decoder.read_info().map_err(damaged)?;
-    let size = reader.output_buffer_size().ok_or_else(|| source.error("the PNG is too large"))?;
-    let mut samples = vec![0; size];
+    let length = reader.output_buffer_size().ok_or_else(|| source.error("the PNG is too large"))?;
+    let mut samples = vec![0; length];
     let frame = reader.next_frame(&mut samples).map_err(damaged)?;
     samples.truncate(frame.buffer_size());
     let channels = frame.color_type.samples();
-    let pixels = match frame.bit_depth {
+    let samples = match frame.bit_depth {
         BitDepth::Sixteen => {
-            let pixel = |p| float_pixel(p, frame.color_type, color_space);
-            Pixels::Float(samples.chunks_exact(2 * channels).map(pixel).collect())
+            let codes: Vec<u16> =
+                samples.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)).collect();
+            Samples::Short(codes.chunks_exact(channels).map(|pixel| rgba(pixel, u16::MAX)).collect())
         }
-        _ => Pixels::Byte(samples.chunks_exact(channels).map(byte_pixel).collect()),
+        _ => Samples::Byte(samples.chunks_exact(channels).map(|pixel| rgba(pixel, u8::MAX)).collect()),
     };
-    Ok(([width, height], pixels))
+    // Chunks behind the pixels are read, too: an eXIf may stand there
+    reader.finish().map_err(damaged)?;
+    let info = reader.info();
+    let orientation = info.exif_metadata.as_ref().map_or(1, |exif| Exif::parse(exif).orientation);
+    let is_gray = channels < 3;
+    Ok(Picture { size, samples, is_gray, stated: stated(source, info)?, orientation })
 }
 
 /// Grey, grey and alpha, RGB or RGBA to RGBA.
-fn byte_pixel(pixel: &[u8]) -> [u8; 4] {
+pub(super) fn rgba<T: Copy>(pixel: &[T], opaque: T) -> [T; 4] {
     match *pixel {
-        [grey] => [grey, grey, grey, 255],
+        [grey] => [grey, grey, grey, opaque],
         [grey, alpha] => [grey, grey, grey, alpha],
-        [r, g, b] => [r, g, b, 255],
-        [r, g, b, a] => [r, g, b, a],
-        _ => [0; 4],
+        [r, g, b] => [r, g, b, opaque],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [opaque; 4],
     }
 }
 
-/// Linear values of 16-bit sRGB codes: a photograph has a thousand times as many samples as there are codes.
-static LINEAR_FROM_SRGB_CODE: LazyLock<Vec<f32>> =
-    LazyLock::new(|| (0..=u16::MAX).map(|code| linear_from_srgb(f32::from(code) / 65535.0)).collect());
-
-/// As `byte_pixel`, of big-endian 16-bit samples, decoded.
-fn float_pixel(pixel: &[u8], color_type: ColorType, color_space: ColorSpace) -> [f32; 4] {
-    let code = |i: usize| u16::from_be_bytes([pixel[2 * i], pixel[2 * i + 1]]);
-    let sample = |i: usize| f32::from(code(i)) / 65535.0;
-    let color = |i: usize| match color_space {
-        ColorSpace::Srgb => LINEAR_FROM_SRGB_CODE[usize::from(code(i))],
-        ColorSpace::Linear => sample(i),
-    };
-    match color_type {
-        ColorType::GrayscaleAlpha => [color(0), color(0), color(0), sample(1)],
-        ColorType::Rgb => [color(0), color(1), color(2), 1.0],
-        ColorType::Rgba => [color(0), color(1), color(2), sample(3)],
-        ColorType::Grayscale | ColorType::Indexed => [color(0), color(0), color(0), 1.0],
+/// What the first of cICP, iCCP, sRGB, and gAMA with cHRM states (PNG, third edition, section 4.3).
+fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, translucid_scene::SceneError> {
+    if let Some(points) = info.coding_independent_code_points {
+        return match coded(points) {
+            Ok(encoding) => Ok(Some(Stated::encoding(encoding))),
+            Err(what) => Err(source
+                .error(format!("the PNG's colors are {what}, which cannot be read"))
+                .with_help("save it as a PNG with an ICC profile, or as linear OpenEXR")),
+        };
     }
+    if let Some(profile) = &info.icc_profile {
+        return Ok(Some(Stated::Icc(profile.to_vec())));
+    }
+    if info.srgb.is_some() {
+        return Ok(Some(Stated::encoding(Encoding::new("sRGB", Curve::Srgb, REC_709))));
+    }
+    let primaries = info.chrm_chunk.map(|chunk| {
+        let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
+        Primaries([chunk.red, chunk.green, chunk.blue, chunk.white].map(point))
+    });
+    let exponent = info.gama_chunk.map(|gamma| f64::from(gamma.into_value()));
+    if primaries.is_none() && exponent.is_none() {
+        return Ok(None);
+    }
+    let curve = match exponent {
+        Some(exponent) if exponent <= 0.0 => {
+            return Ok(Some(Stated::Unknown(format!("its gAMA is {exponent}"))));
+        }
+        Some(1.0) => Curve::Linear,
+        // Who writes the nearest exponent to sRGB means sRGB, as libpng and browsers take it
+        Some(exponent) if (exponent - 0.45455).abs() > 1e-3 => Curve::Power(exponent.recip()),
+        _ => Curve::Srgb,
+    };
+    let primaries = primaries.unwrap_or(REC_709);
+    if !primaries.to_rec_709().is_finite() {
+        return Ok(Some(Stated::Unknown("its cHRM are no primaries".into())));
+    }
+    Ok(Some(Stated::encoding(Encoding::new("gAMA and cHRM", curve, primaries))))
+}
+
+/// Code points of ITU-T H.273, or what they stand for where it cannot be read.
+fn coded(points: CodingIndependentCodePoints) -> Result<Encoding, String> {
+    let CodingIndependentCodePoints { color_primaries, transfer_function, matrix_coefficients, .. } = points;
+    let (primaries, name) = match color_primaries {
+        1 => (REC_709, "Rec. 709"),
+        9 => (REC_2020, "Rec. 2020"),
+        11 => (Primaries([[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], [0.314, 0.351]]), "DCI-P3"),
+        12 => (DISPLAY_P3, "Display P3"),
+        other => return Err(format!("of the primaries {other} of cICP")),
+    };
+    let (curve, curve_name) = match transfer_function {
+        1 | 6 | 14 | 15 => (Curve::Rec709, "the curve of Rec. 709"),
+        4 => (Curve::Power(2.2), "gamma 2.2"),
+        5 => (Curve::Power(2.8), "gamma 2.8"),
+        8 => (Curve::Linear, "linear"),
+        13 => (Curve::Srgb, "the curve of sRGB"),
+        16 => return Err("coded by PQ".into()),
+        18 => return Err("coded by HLG".into()),
+        other => return Err(format!("of the transfer function {other} of cICP")),
+    };
+    if matrix_coefficients != 0 || !points.is_video_full_range_image {
+        return Err("of a video's narrow range or matrix".into());
+    }
+    Ok(Encoding::new(format!("{name}, {curve_name}"), curve, primaries))
 }
 
 /// A small valid file.
@@ -71,7 +123,7 @@ fn float_pixel(pixel: &[u8], color_type: ColorType, color_space: ColorSpace) -> 
 pub(super) fn example() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 9, 7);
-    encoder.set_color(ColorType::Rgba);
+    encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(BitDepth::Sixteen);
     let data: Vec<u8> = (0..9 * 7 * 8).map(|i| (i * 37 % 251) as u8).collect();
     encoder.write_header().and_then(|mut writer| writer.write_image_data(&data)).expect("a valid image");
@@ -82,7 +134,9 @@ pub(super) fn example() -> Vec<u8> {
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{Image, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError};
+
+    use png::ColorType;
 
     use super::*;
     use crate::decode_image;

@@ -7,10 +7,12 @@
 //! A reader of our own, since files with any of the eight orientations, flat pixels and old runs are read, runs must fit
 //! their line, and a mantissa stands for the middle of its interval.
 
-use translucid_scene::{Pixels, SceneError};
+use translucid_scene::SceneError;
 
-use super::Decoded;
+use super::encoding::{Curve, Encoding, Samples};
 use super::file_bytes::ImageBytes;
+use super::{Decoded, Picture, Stated};
+use crate::primaries::Primaries;
 
 /// Three mantissas and the exponent.
 type Rgbe = [u8; 4];
@@ -21,7 +23,7 @@ const PACKABLE: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 /// Decodes all eight orientations; the values are those that were stored, undivided by EXPOSURE.
 pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let mut reader = Reader { source, position: 0 };
-    reader.header()?;
+    let primaries = reader.header()?;
     let layout = reader.layout()?;
     source.check_size(layout.line_length, layout.lines)?;
     let [width, height] = if layout.by_columns {
@@ -38,7 +40,9 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
             pixels[y * width + x] = float_from_rgbe(pixel);
         }
     }
-    Ok(([width, height], Pixels::Float(pixels)))
+    let encoding = |primaries| Stated::encoding(Encoding::new("PRIMARIES", Curve::Linear, primaries));
+    let picture = Picture::plain([width, height], Samples::Float(pixels));
+    Ok(Picture { stated: primaries.map(encoding), ..picture })
 }
 
 /// Radiance's convention: the mantissa's middle, 0 for exponent 0.
@@ -91,11 +95,23 @@ impl Reader<'_> {
         Ok(String::from_utf8_lossy(&rest[..length]).trim().to_owned())
     }
 
-    fn header(&mut self) -> Result<(), SceneError> {
+    /// Reads up to the empty line, and returns the primaries if it names them.
+    fn header(&mut self) -> Result<Option<Primaries>, SceneError> {
+        let mut primaries = None;
         loop {
             let line = self.text_line()?;
             if line.is_empty() {
-                return Ok(());
+                return Ok(primaries);
+            }
+            if let Some(numbers) = line.strip_prefix("PRIMARIES=") {
+                let words: Vec<f64> =
+                    numbers.split_whitespace().map_while(|word| word.parse().ok()).collect();
+                let stated = <[f64; 8]>::try_from(words).ok();
+                let stated =
+                    stated.map(|[a, b, c, d, e, f, g, h]| Primaries([[a, b], [c, d], [e, f], [g, h]]));
+                let stated = stated.filter(|stated| stated.to_rec_709().is_finite());
+                primaries =
+                    Some(stated.ok_or_else(|| self.error(format!("\"{line}\" are no four chromaticities")))?);
             }
             if let Some(format) = line.strip_prefix("FORMAT=")
                 && format.trim() != "32-bit_rle_rgbe"

@@ -3,33 +3,37 @@
 use std::io::Cursor;
 
 use image_webp::WebPDecoder;
-use translucid_scene::Pixels;
 
-use super::Decoded;
+use super::encoding::Samples;
 use super::file_bytes::ImageBytes;
+use super::tags::Exif;
+use super::{Decoded, Picture, Stated};
 
 /// Decodes images with and without loss; of an animated one the first frame.
 pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let damaged = |error: image_webp::DecodingError| source.error(format!("damaged WebP: {error}"));
     let mut decoder = WebPDecoder::new(Cursor::new(source.bytes)).map_err(damaged)?;
-    let size = decoder.dimensions();
-    let [width, height] = [size.0, size.1].map(|edge| edge as usize);
-    let count = source.check_size(width, height)?;
+    let (width, height) = decoder.dimensions();
+    let size = [width, height].map(|edge| edge as usize);
+    let count = source.check_size(size[0], size[1])?;
     let channels = if decoder.has_alpha() { 4 } else { 3 };
     let mut samples = vec![0; channels * count];
     decoder.read_image(&mut samples).map_err(damaged)?;
     let pixel = |p: &[u8]| [p[0], p[1], p[2], p.get(3).copied().unwrap_or(255)];
-    Ok(([width, height], Pixels::Byte(samples.chunks_exact(channels).map(pixel).collect())))
+    let samples = Samples::Byte(samples.chunks_exact(channels).map(pixel).collect());
+    // Metadata that cannot be read is none
+    let exif = decoder.exif_metadata().ok().flatten().map(|exif| Exif::parse(&exif)).unwrap_or_default();
+    let stated = decoder.icc_profile().ok().flatten().map(Stated::Icc);
+    Ok(Picture { stated, orientation: exif.orientation, ..Picture::plain(size, samples) })
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{ColorSpace, Image, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError};
     use translucid_testing::mutants;
 
-    use super::*;
     use crate::decode_image;
 
     /// Two pixels without loss, written by Pillow: (200, 100, 50, 255) and (20, 40, 220, 128).

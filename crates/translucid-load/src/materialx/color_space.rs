@@ -1,21 +1,10 @@
 //! Color spaces of constants, by the names of MaterialX: to linear Rec. 709.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use translucid_scene::description::linear_from_srgb;
 
-/// Chromaticities x, y of red, green, blue and white.
-type Primaries = [[f64; 2]; 4];
-
-const D65: [f64; 2] = [0.3127, 0.329];
-/// ITU-R BT.709.
-const REC_709: Primaries = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], D65];
-/// SMPTE EG 432-1, with D65.
-const DISPLAY_P3: Primaries = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], D65];
-/// Adobe RGB (1998).
-const ADOBE_RGB: Primaries = [[0.64, 0.33], [0.21, 0.71], [0.15, 0.06], D65];
-/// AP1 of ACES (S-2014-004), whose white is near D60.
-const AP1: Primaries = [[0.713, 0.293], [0.165, 0.83], [0.128, 0.044], [0.32168, 0.33767]];
+use crate::primaries::{ADOBE_RGB, AP1, DISPLAY_P3, Primaries, REC_709};
 
 /// Curve between a channel's code and its light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,30 +89,8 @@ impl NamedSpace {
             return Vec3::from_array(color.to_array().map(|code| linear(code) as f32));
         }
         let linear = DVec3::from_array(color.to_array().map(linear));
-        (xyz_from(REC_709).inverse() * adaptation(self.primaries[3]) * xyz_from(self.primaries) * linear)
-            .as_vec3()
+        (self.primaries.to_rec_709() * linear).as_vec3()
     }
-}
-
-/// X, Y, Z of a chromaticity at Y = 1.
-fn xyz([x, y]: [f64; 2]) -> DVec3 {
-    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
-}
-
-/// Matrix from linear channels to X, Y, Z (SMPTE RP 177).
-fn xyz_from([red, green, blue, white]: Primaries) -> DMat3 {
-    let primaries = DMat3::from_cols(xyz(red), xyz(green), xyz(blue));
-    primaries * DMat3::from_diagonal(primaries.inverse() * xyz(white))
-}
-
-/// Chromatic adaptation of X, Y, Z from a white to D65, after Bradford (K. M. Lam 1985).
-fn adaptation(white: [f64; 2]) -> DMat3 {
-    let cones = DMat3::from_cols(
-        DVec3::new(0.8951, -0.7502, 0.0389),
-        DVec3::new(0.2664, 1.7135, -0.0685),
-        DVec3::new(-0.1614, 0.0367, 1.0296),
-    );
-    cones.inverse() * DMat3::from_diagonal((cones * xyz(D65)) / (cones * xyz(white))) * cones
 }
 
 #[cfg(test)]

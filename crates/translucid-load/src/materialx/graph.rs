@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use roxmltree::{Node, NodeId};
 use translucid_scene::description::FileRequest;
-use translucid_scene::{Channel, ColorSpace, SceneError, TextureRef, Wrap};
+use translucid_scene::{Channel, ColorSpace, ImageKind, SceneError, TextureRef, Wrap};
 
 use super::color_space::NamedSpace;
 use super::document::{Kind, Source, inherited, shown, title};
@@ -69,7 +69,7 @@ pub(super) struct Graph<'s, 'd> {
     pub(super) source: &'s Source<'d>,
     /// Folder that paths are relative to.
     pub(super) folder: PathBuf,
-    pub(super) images: Vec<FileRequest<ColorSpace>>,
+    pub(super) images: Vec<FileRequest<ImageKind>>,
     /// The shader's input that is being read, for messages.
     pub(super) reading: String,
     /// Nodes between that input and the one at hand.
@@ -443,12 +443,12 @@ impl<'s, 'd> Graph<'s, 'd> {
         }
         let request = FileRequest {
             path: self.folder.join(name.replace('\\', "/")),
-            kind: color_space,
+            kind: ImageKind::Plain(color_space),
             place: self.source.place(file),
             image: None,
         };
         let is_same =
-            |known: &FileRequest<ColorSpace>| known.path == request.path && known.kind == color_space;
+            |known: &FileRequest<ImageKind>| known.path == request.path && known.kind == request.kind;
         let image = self.images.iter().position(is_same).unwrap_or(self.images.len());
         if image == self.images.len() {
             self.images.push(request);

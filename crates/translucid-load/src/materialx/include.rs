@@ -23,6 +23,10 @@ struct Included {
 /// # Errors
 /// An included document cannot be read, none has the material, or several have one and there is no name.
 pub(super) fn home(bytes: &[u8], path: &Path, name: Option<&str>) -> Result<Option<PathBuf>, SceneError> {
+    // Most documents include none, and are not read twice for it
+    if !std::str::from_utf8(bytes).is_ok_and(|text| text.contains("include")) {
+        return Ok(None);
+    }
     let mut included = Included::default();
     let Some((own, links)) = contents(bytes) else { return Ok(None) };
     if links.is_empty() || name.map_or(!own.is_empty(), |name| own.iter().any(|own| own == name)) {
@@ -72,8 +76,9 @@ impl Included {
 
 /// The names of the materials of a document, and the files that it includes; none if it is no document.
 fn contents(bytes: &[u8]) -> Option<(Vec<String>, Vec<String>)> {
+    let text = std::str::from_utf8(bytes).ok()?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(std::str::from_utf8(bytes).ok()?, options).ok()?;
+    let document = Document::parse_with_options(text, options).ok()?;
     let root = document.root_element();
     let text = |node: Node<'_, '_>, key: &str| node.attribute(key).map(str::to_owned);
     let names = materials(root).into_iter().filter_map(|material| text(material, "name")).collect();

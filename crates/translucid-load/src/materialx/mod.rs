@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::{Document, Node, ParsingOptions};
 use translucid_profile::nearest;
 use translucid_scene::description::FileRequest;
-use translucid_scene::{ColorSpace, Material, Place, SceneError, Unit, Warning};
+use translucid_scene::{ImageKind, Material, Place, SceneError, Unit, Warning};
 
 use self::document::{Kind, MOST_NODES, Source, clipped, shown, title};
 use self::graph::{Graph, scope_of};
@@ -44,7 +44,7 @@ pub(super) fn load_materialx(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ColorSpace>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
     let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     if length > LARGEST_FILE {
         let message = format!("the document has {length} bytes, but at most {LARGEST_FILE} are allowed");
@@ -95,7 +95,7 @@ fn read(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ColorSpace>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
     if let Some(other) = include::home(bytes, path, choice.name)? {
         return read_document(&read_file(&other)?, &other, choice, warnings);
     }
@@ -107,7 +107,7 @@ fn read_document(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ColorSpace>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let place = Place::part(path, format!("byte {}", error.valid_up_to()));
         SceneError::at(place, "a MaterialX document must be UTF-8 text, but this is not")
@@ -141,7 +141,7 @@ fn read_material<'d>(
     source: &Source<'d>,
     path: &Path,
     choice: MaterialChoice<'_>,
-) -> Result<(Material, Vec<FileRequest<ColorSpace>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
     let root = source.document.root_element();
     if !root.has_tag_name("materialx") {
         let message = format!("the document is a {}, but must be a materialx", shown(root.tag_name().name()));
@@ -170,8 +170,8 @@ fn read_material<'d>(
 /// The images that a material refers to, which then counts these: others were behind inputs that keep their defaults.
 fn images_in_use(
     material: &mut Material,
-    images: Vec<FileRequest<ColorSpace>>,
-) -> Vec<FileRequest<ColorSpace>> {
+    images: Vec<FileRequest<ImageKind>>,
+) -> Vec<FileRequest<ImageKind>> {
     let mut numbers = vec![None; images.len()];
     let mut count = 0;
     material.for_each_image(|image| {

@@ -2,12 +2,12 @@
 
 use glam::{Vec2, Vec3};
 use translucid_scene::description::Slot;
-use translucid_scene::{Channel, ColorInput, ScalarInput, Wrap};
+use translucid_scene::{Channel, ColorInput, ColorSpace, ScalarInput, Wrap};
 use translucid_testing::mutants;
 
 use super::*;
 
-type Found = Result<(Material, Vec<FileRequest<ColorSpace>>), SceneError>;
+type Found = Result<(Material, Vec<FileRequest<ImageKind>>), SceneError>;
 
 fn read_bytes(bytes: &[u8], choice: MaterialChoice<'_>) -> (Found, Vec<String>) {
     let mut warnings = Vec::new();
@@ -35,7 +35,7 @@ fn open_pbr(inputs: &str) -> String {
 }
 
 /// The material of a document without warnings, whose lengths are in mm.
-fn sound(text: &str) -> (Material, Vec<FileRequest<ColorSpace>>) {
+fn sound(text: &str) -> (Material, Vec<FileRequest<ImageKind>>) {
     let choice = MaterialChoice { length_unit: Some(Unit::Millimeter), ..MILLIMETERS };
     let (found, warnings) = read_bytes(text.as_bytes(), choice);
     assert_eq!(warnings, [""; 0], "{text}");
@@ -189,7 +189,7 @@ fn usd_preview_surface_has_clear_opacity_and_two_workflows() {
     assert_eq!((plain.base_color.factor, plain.coat_roughness.factor), (Vec3::splat(0.18), 0.01));
     let with = |inputs: &[String]| sound(&document("UsdPreviewSurface", &inputs.concat(), "")).0;
     let half = input("opacity", "float", "0.25");
-    assert_eq!(with(&[half.clone()]).transmission_weight.factor, 0.75);
+    assert_eq!(with(std::slice::from_ref(&half)).transmission_weight.factor, 0.75);
     let presence = with(&[half.clone(), input("opacityMode", "integer", "1")]);
     assert_eq!((presence.transmission_weight.factor, presence.geometry_opacity.factor), (0.0, 0.25));
     assert_eq!(with(&[half, input("opacityThreshold", "float", "0.5")]).geometry_opacity.factor, 0.0);
@@ -264,9 +264,9 @@ fn images_come_through_graphs_with_their_files_spaces_and_mappings() {
     assert_eq!(wood.name, "Wood");
     let files: Vec<_> = images.iter().map(|image| (image.path.to_str().unwrap(), image.kind)).collect();
     let expected = [
-        ("shop/../images/wood.jpg", ColorSpace::Srgb),
-        ("shop/../images/wood_rough.png", ColorSpace::Linear),
-        ("shop/../images/wood_normal.png", ColorSpace::Linear),
+        ("shop/../images/wood.jpg", ImageKind::Plain(ColorSpace::Srgb)),
+        ("shop/../images/wood_rough.png", ImageKind::Plain(ColorSpace::Linear)),
+        ("shop/../images/wood_normal.png", ImageKind::Plain(ColorSpace::Linear)),
     ];
     assert_eq!(files, expected);
     assert_eq!(images[0].place.line, Some(6));

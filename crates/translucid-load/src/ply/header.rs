@@ -1,5 +1,6 @@
 //! The header of a PLY file.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use translucid_scene::{Place, SceneError};
@@ -65,6 +66,9 @@ impl Element {
 pub(super) struct Header {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
+    names: HashSet<String>,
+    /// The first picture that a comment names, as MeshLab writes it.
+    pub(super) picture: Option<String>,
     /// Where the data begins [bytes].
     pub(super) length: usize,
     /// Number of lines.
@@ -75,7 +79,14 @@ impl Header {
     /// Parses the header and checks its counts against the number of bytes that follow.
     pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
         let mut lines = Lines { bytes, length: 0, number: 0 };
-        let mut header = Self { format: Format::Ascii, elements: Vec::new(), length: 0, lines: 0 };
+        let mut header = Self {
+            format: Format::Ascii,
+            elements: Vec::new(),
+            names: HashSet::new(),
+            picture: None,
+            length: 0,
+            lines: 0,
+        };
         let mut format = None;
         let at = |line: usize, message: String| SceneError::at(Place::line(path, line), message);
         if lines.next().is_none_or(|line| line.trim() != "ply") {
@@ -100,15 +111,20 @@ impl Header {
     fn read_line(&mut self, line: &str, format: &mut Option<Format>) -> Result<(), String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
+            ["comment", "TextureFile", ..] if self.picture.is_none() => {
+                self.picture = line.split_once("TextureFile").map(|(_, name)| name.trim().replace('\\', "/"));
+            }
             [] | ["comment" | "obj_info", ..] => (),
             ["format", _, version] if version != "1.0" => {
                 return Err(format!("PLY version {version} is not known, only 1.0 is"));
             }
             ["format", name, _] => *format = Some(parse_format(name)?),
-            ["element", name, _] if self.elements.iter().any(|element| element.name == name) => {
-                return Err(format!("there are two elements \"{name}\""));
+            ["element", name, count] => {
+                if !self.names.insert(name.to_owned()) {
+                    return Err(format!("there are two elements \"{name}\""));
+                }
+                self.elements.push(parse_element(name, count)?);
             }
-            ["element", name, count] => self.elements.push(parse_element(name, count)?),
             ["property", ref words @ ..] => {
                 let property = parse_property(words)?;
                 self.elements.last_mut().ok_or("a property before any element")?.properties.push(property);

@@ -1,29 +1,36 @@
 //! PLY meshes (G. Turk, "The PLY Polygon File Format", 1994): ascii and binary of either byte order.
 
+mod faces;
 mod header;
 mod values;
 
 use std::path::Path;
 
+use faces::{FaceColumns, Faces, Scratch};
 use glam::{DVec3, Vec2, Vec3};
 use header::{Element, Format, Header, Kind};
 use translucid_scene::{Mesh, Place, SceneError, Warning, linear_from_srgb, repair_mesh};
 use values::{Ascii, Binary, Fault, Values};
 
 use super::number::NumberType;
-use super::polygon::triangulate;
+use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::read_file;
 use crate::origin::{Anchor, in_file_coordinates};
+use crate::weld::{Corner, NONE, Tables, Welder, distinct};
+use crate::winding::{orient, warn_of_turned};
 
 /// Loads a PLY mesh.
 ///
 /// Read are, of element `vertex`, the properties x y z, nx ny nz, one of (s, t), (u, v),
 /// (texture_u, texture_v), (texture_s, texture_t), and red green blue; of element `face` the list
-/// `vertex_indices` or `vertex_index`; all in any of the format's types.
-/// Integer colors are sRGB, float colors linear.
+/// `vertex_indices` or `vertex_index`, the list `texcoord` of its corners' texture coordinates, and red green blue;
+/// instead of faces the lists of strips of element `tristrips`; all in any of the format's types.
+/// Integer colors are sRGB, float colors linear; those of vertices count before those of faces.
 /// Everything else is passed over.
-/// Polygons are cut into triangles; a mesh without normals gets [`Mesh::smooth_normals`], so that it is
-/// smooth where triangles share vertices.
+/// Polygons are cut into triangles; triangles of a closed body that wind the other way than the rest are turned, with a
+/// warning.
+/// A mesh without normals gets smooth ones, but across edges of 60° and more; where triangles do not share vertices it is
+/// sharp, too.
 ///
 /// # Errors
 /// The file cannot be read, breaks the format (the message names line or byte, element and row), or has
@@ -37,39 +44,125 @@ pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 /// # Errors
 /// As [`load_ply`].
 pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
-    read_ply(bytes, path, warnings).map(|(mesh, origin)| in_file_coordinates(mesh, origin))
+    read_ply(bytes, path, warnings).map(|file| in_file_coordinates(file.mesh, file.origin))
 }
 
-/// As [`parse_ply`], with the point from which the positions are counted.
+/// What is in a file.
+pub(crate) struct PlyFile {
+    pub(crate) mesh: Mesh,
+    /// The point from which the positions are counted.
+    pub(crate) origin: DVec3,
+    /// Name of the mesh's picture, if a comment has one.
+    pub(crate) picture: Option<String>,
+}
+
+/// As [`parse_ply`], with all that is in the file.
 pub(crate) fn read_ply(
     bytes: &[u8],
     path: &Path,
     warnings: &mut Vec<Warning>,
-) -> Result<(Mesh, DVec3), SceneError> {
+) -> Result<PlyFile, SceneError> {
     let header = Header::parse(bytes, path)?;
     let body = header.length;
-    let (mut mesh, anchor) = match header.format {
+    let (mut mesh, mut faces, anchor) = match header.format {
         Format::Ascii => read_mesh(&header, Ascii::new(&bytes[body..], header.lines), path),
         Format::LittleEndian => read_mesh(&header, Binary::<false> { bytes, position: body }, path),
         Format::BigEndian => read_mesh(&header, Binary::<true> { bytes, position: body }, path),
     }?;
-    repair_mesh(&mut mesh, &Place::file(path), warnings)?;
-    if mesh.normals.is_empty() {
-        mesh.normals = mesh.smooth_normals();
-    }
-    Ok((mesh, anchor.position()))
+    let place = Place::file(path);
+    warn_of_lost(&faces, &place, warnings);
+    mesh.triangles = match faces.uvs.is_empty() {
+        true => std::mem::take(&mut faces.triangles),
+        false => faces.triangles.clone(),
+    };
+    warn_of_turned(orient(&mut mesh), &place, warnings);
+    let mut mesh = with_corners(mesh, &faces, &place, warnings);
+    repair_mesh(&mut mesh, &place, warnings)?;
+    Ok(PlyFile { mesh, origin: anchor.position(), picture: header.picture })
 }
 
-fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<(Mesh, Anchor), SceneError> {
+/// Warns of textures that cannot be what is meant.
+fn warn_of_lost(faces: &Faces, place: &Place, warnings: &mut Vec<Warning>) {
+    let mut warn = |message: String| warnings.push(Warning { message, place: Some(place.clone()) });
+    if faces.misfits > 0 {
+        let count = faces.misfits;
+        warn(format!("{count} faces have not two texture coordinates for each corner: set to (0, 0)"));
+    }
+    if faces.has_other_pictures {
+        warn(String::from(
+            "the faces have several pictures by texnumber, but a material has one: all get the same",
+        ));
+    }
+}
+
+/// The mesh with what its corners have of their own, and with normals; several vertices of a place where these differ.
+fn with_corners(mesh: Mesh, faces: &Faces, place: &Place, warnings: &mut Vec<Warning>) -> Mesh {
+    let own_normals = mesh
+        .normals
+        .is_empty()
+        .then(|| corner_normals(&mesh.positions, &mesh.triangles, SHARED_CREASE, |_| Smoothing::Angle));
+    let has_own_colors = !faces.colors.is_empty() && mesh.colors.is_empty();
+    let count = mesh.positions.len();
+    let is_plain = own_normals.as_ref().is_none_or(|own| own.normals.len() == count);
+    if is_plain && faces.uvs.is_empty() && !has_own_colors {
+        let normals = own_normals.map_or(mesh.normals, |own| own.normals);
+        return Mesh { normals, ..mesh };
+    }
+    let (normals, of_corners) = match own_normals {
+        Some(own) => (own.normals, own.triangles),
+        None => (mesh.normals, mesh.triangles.clone()),
+    };
+    let (colors, of_triangles) = match has_own_colors {
+        true => distinct(faces.colors.iter().copied(), |color| color.to_array()),
+        false => (mesh.colors, Vec::new()),
+    };
+    let has_own_uvs = !faces.uvs.is_empty();
+    let has_uvs = !mesh.uvs.is_empty();
+    let (uvs, of_uvs) = match has_own_uvs {
+        true => distinct(faces.uvs.iter().flatten().copied(), |uv| uv.to_array()),
+        false => (mesh.uvs, Vec::new()),
+    };
+    let corner = |number: usize, i: usize| {
+        let vertex = mesh.triangles[number][i];
+        // Where the triangle was turned, so are its texture coordinates
+        let is_turned = faces.triangles.get(number).is_some_and(|&read| read != mesh.triangles[number]);
+        let read = if is_turned { [0, 2, 1][i] } else { i };
+        Corner {
+            position: vertex,
+            uv: match (has_own_uvs, has_uvs) {
+                (true, _) => of_uvs[3 * number + read],
+                (false, true) => vertex,
+                (false, false) => NONE,
+            },
+            normal: of_corners[number][i],
+            color: if has_own_colors { of_triangles[number] } else { vertex },
+        }
+    };
+    let is_there = |number: &usize| mesh.triangles[*number].iter().all(|&i| (i as usize) < count);
+    let there: Vec<usize> = (0..mesh.triangles.len()).filter(is_there).collect();
+    let lost = mesh.triangles.len() - there.len();
+    if lost > 0 {
+        let message = format!("{lost} triangles with an index out of range: left out");
+        warnings.push(Warning { message, place: Some(place.clone()) });
+    }
+    let tables = Tables { positions: mesh.positions, uvs, normals, colors };
+    Welder::new(&tables).weld(there.into_iter().map(|number| [0, 1, 2].map(|i| corner(number, i))))
+}
+
+fn read_mesh(
+    header: &Header,
+    mut values: impl Values,
+    path: &Path,
+) -> Result<(Mesh, Faces, Anchor), SceneError> {
     let absent = |message: &str| SceneError::at(Place::file(path), message);
     let has = |name: &str| header.elements.iter().any(|element| element.name == name);
     if !has("vertex") {
         return Err(absent("has no element \"vertex\""));
     }
-    if !has("face") {
+    if !has("face") && !has("tristrips") {
         return Err(absent("has no element \"face\": a cloud of points cannot be rendered"));
     }
-    let (mut mesh, mut anchor) = (Mesh::default(), Anchor::default());
+    let (mut mesh, mut faces, mut anchor) = (Mesh::default(), Faces::default(), Anchor::default());
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
         match element.name.as_str() {
             "vertex" if mesh.positions.is_empty() => {
@@ -79,12 +172,13 @@ fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<(M
                     columns.read_vertex(values, &mut mesh, &mut anchor)
                 })?;
             }
-            "face" if mesh.triangles.is_empty() => {
-                let list = index_list(element).map_err(|message| absent(&message))?;
-                mesh.triangles.reserve(element.count);
-                let mut polygon = Vec::new();
+            "face" | "tristrips" if faces.triangles.is_empty() => {
+                let columns = FaceColumns::of(element).map_err(|message| absent(&message))?;
+                faces.triangles.reserve(element.count);
+                let mut scratch = Scratch::default();
+                // Where faces come before vertices there are no positions yet, and all polygons pass for convex.
                 read_rows(&mut values, element, path, |values| {
-                    read_face(values, element, list, &mut polygon, &mut mesh)
+                    columns.read(values, &mesh.positions, &mut scratch, &mut faces)
                 })?;
             }
             _ => read_rows(&mut values, element, path, |values| {
@@ -92,7 +186,7 @@ fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<(M
             })?,
         }
     }
-    Ok((mesh, anchor))
+    Ok((mesh, faces, anchor))
 }
 
 /// Reads all rows of an element, and says in which one a fault was.
@@ -167,11 +261,7 @@ impl Columns {
             return Err(format!("element \"vertex\" has no property \"{}\"", NAMES[missing][0]));
         }
         let red = columns.iter().find(|column| column.target == Some(COLOR));
-        let color_scale = match red.map(|column| column.kind) {
-            Some(Kind::Scalar(NumberType::F32 | NumberType::F64)) | None => None,
-            Some(Kind::Scalar(NumberType::U16 | NumberType::I16)) => Some(65535.0),
-            Some(_) => Some(255.0),
-        };
+        let color_scale = red.and_then(|column| color_scale(column.kind));
         let [has_normal, has_uv, has_color] =
             [(NORMAL, UV), (UV, COLOR), (COLOR, NAMES.len())].map(|(first, end)| (first..end).all(has));
         Ok(Self { has_normal, has_uv, has_color, color_scale, columns })
@@ -224,50 +314,12 @@ impl Columns {
     }
 }
 
-/// Number of the property that lists a face's vertices.
-fn index_list(element: &Element) -> Result<usize, String> {
-    let lists = |property: &header::Property| {
-        matches!(property.kind, Kind::List { .. })
-            && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
-    };
-    let message = || String::from("element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
-    element.properties.iter().position(lists).ok_or_else(message)
-}
-
-fn read_face(
-    values: &mut impl Values,
-    element: &Element,
-    list: usize,
-    polygon: &mut Vec<u32>,
-    mesh: &mut Mesh,
-) -> Result<(), Fault> {
-    for (number, property) in element.properties.iter().enumerate() {
-        match property.kind {
-            Kind::List { count, item } if number == list => {
-                polygon.clear();
-                for _ in 0..values.list_length(count)? {
-                    polygon.push(index(values.value(item)?)?);
-                }
-            }
-            kind => skip(values, kind)?,
-        }
-    }
-    // Where faces come before vertices there are no positions yet, and all polygons pass for convex.
-    let Mesh { positions, triangles, .. } = mesh;
-    triangulate(
-        polygon,
-        |vertex| positions.get(vertex as usize).copied(),
-        |triangle| triangles.push(triangle),
-    );
-    Ok(())
-}
-
-/// An index; a negative one becomes one that is out of range in any mesh.
-fn index(value: f64) -> Result<u32, Fault> {
-    match value {
-        value if value.fract() != 0.0 => Err(Fault::NotWhole),
-        value if value >= 0.0 => Ok(value as u32),
-        _ => Ok(u32::MAX),
+/// The value of integer colors that is 1; none for those that are linear.
+fn color_scale(kind: Kind) -> Option<f64> {
+    match kind {
+        Kind::Scalar(NumberType::F32 | NumberType::F64) => None,
+        Kind::Scalar(NumberType::U16 | NumberType::I16) => Some(65535.0),
+        _ => Some(255.0),
     }
 }
 
@@ -317,7 +369,7 @@ mod tests {
             property float s\nproperty float t\nproperty uchar red\nproperty uchar green\n\
             property uchar blue\nproperty uchar alpha\n";
         let face = "property int8 flags\nproperty list ushort uint16 vertex_index\n\
-            property list uint8 float texcoord\n";
+            property list uint8 float weights\n";
         let mut data = Vec::new();
         let mut put = |little: &[u8]| {
             let mut bytes = little.to_vec();
@@ -413,9 +465,56 @@ mod tests {
 
     #[test]
     fn ply_cuts_polygons() {
-        let data = ascii("0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n4 3 2 1 0\n");
+        let data = ascii("0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n4 1 2 3 0\n");
         let (mesh, _) = parsed(&data).unwrap();
-        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [3, 2, 1], [3, 1, 0]]);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [1, 2, 3], [1, 3, 0]]);
+    }
+
+    /// Lists of corners as MeshLab writes them, at a seam, and colors of faces.
+    #[test]
+    fn ply_reads_what_corners_and_faces_have_of_their_own() {
+        let face = format!(
+            "{LIST_LINE}property list uchar float texcoord\nproperty int texnumber\nproperty uchar red\n\
+             property uchar green\nproperty uchar blue\n"
+        );
+        let data =
+            "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1 0 255 0 0\n3 0 2 3 6 .5 0 1 1 0 1 0 0 0 255\n";
+        let (mesh, warnings) = parsed(&file("ascii", POSITION_LINES, &face, data.as_bytes())).unwrap();
+        assert_eq!(warnings, "");
+        let of_corners = |number: usize| mesh.triangles[number].map(|i| mesh.uvs[i as usize]);
+        assert_eq!(of_corners(0), [Vec2::ZERO, Vec2::X, Vec2::ONE]);
+        assert_eq!(of_corners(1), [Vec2::new(0.5, 0.0), Vec2::ONE, Vec2::Y]);
+        for (number, color) in [(0, Vec3::X), (1, Vec3::Z)] {
+            assert!(mesh.triangles[number].iter().all(|&i| mesh.colors[i as usize] == color));
+        }
+        assert_eq!(mesh.normals, vec![Vec3::Z; 6]);
+        let broken = data.replace("6 0 0 1 0 1 1", "2 0 0").replace("0 0 0 255", "1 0 0 255");
+        let (_, warnings) = parsed(&file("ascii", POSITION_LINES, &face, broken.as_bytes())).unwrap();
+        assert!(warnings.contains("1 faces have not two texture coordinates for each corner"), "{warnings}");
+        assert!(warnings.contains("several pictures by texnumber"), "{warnings}");
+    }
+
+    /// As in the Stanford archives.
+    #[test]
+    fn ply_reads_strips() {
+        let text = String::from_utf8(ascii("0 0 0\n1 0 0\n1 1 0\n0 1 0\n8 0 1 3 2 -1 0 1 2\n")).unwrap();
+        let text = text.replace("element face 2", "element tristrips 1").replace("list uchar", "list int");
+        let (mesh, warnings) = parsed(text.as_bytes()).unwrap();
+        assert_eq!((mesh.triangles, warnings.as_str()), (vec![[0, 1, 3], [3, 1, 2], [0, 1, 2]], ""));
+    }
+
+    #[test]
+    fn ply_has_creases_and_turns_faces_of_a_closed_body() {
+        let vertices: String = (0..8).map(|i| format!("{} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
+        let faces = "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 5 7 3 1\n";
+        let text = String::from_utf8(ascii(&format!("{vertices}{faces}"))).unwrap();
+        let text = text.replace("vertex 4", "vertex 8").replace("face 2", "face 6");
+        let (mesh, warnings) = parsed(text.as_bytes()).unwrap();
+        assert_eq!(warnings, "a.ply: 2 triangles of a closed body wound the other way than the rest: turned");
+        assert_eq!(mesh.positions.len(), 24);
+        for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {
+            assert!(normal.abs().max_element() > 0.9999 && normal.dot(position - 0.5) > 0.4);
+        }
     }
 
     #[test]

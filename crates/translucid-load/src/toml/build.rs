@@ -17,6 +17,7 @@ use super::extend::Base;
 use super::files::KnownFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
+use crate::appearance::warn_of_darkened;
 use crate::extent::warn_of_extent;
 use crate::file::read_file;
 use crate::image::read_image;
@@ -445,7 +446,7 @@ impl SceneBuilder {
         let source = Source::File(path.to_owned(), unit.name());
         loading.add_files(loaded.files.iter().cloned());
         *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
-        let first_material = self.first_material(entry, &mut loaded);
+        let first_material = self.first_material(entry, &mut loaded, loading.warnings);
         let mut uses_of_mesh: HashMap<usize, usize> = HashMap::new();
         for part in &loaded.model.objects {
             *uses_of_mesh.entry(Arc::as_ptr(&part.mesh).addr()).or_insert(0) += uses;
@@ -549,8 +550,16 @@ impl SceneBuilder {
     }
 
     /// Brings the file's own materials and images into the scene when they are first used.
-    fn first_material(&mut self, entry: &ObjectEntry, loaded: &mut LoadedMeshFile) -> Option<usize> {
+    fn first_material(
+        &mut self,
+        entry: &ObjectEntry,
+        loaded: &mut LoadedMeshFile,
+        warnings: &mut Vec<Warning>,
+    ) -> Option<usize> {
         if entry.material.is_none() && !loaded.model.materials.is_empty() && loaded.first_material.is_none() {
+            if let GeometryOrigin::File { path, .. } = &entry.geometry {
+                warn_of_darkened(&loaded.model, path, warnings);
+            }
             loaded.first_material = Some(self.scene.materials.len());
             let shift = self.scene.images.len();
             self.scene.images.extend(loaded.model.images.drain(..).map(Arc::new));

@@ -16,6 +16,7 @@ use crate::LoadOptions;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::{extension, stem};
 use crate::loading::Loading;
+use crate::model::{MESHES, is_mesh};
 
 /// Keys of a scene file that extends another.
 pub(super) const KEYS: &[&str] = &[
@@ -75,14 +76,14 @@ impl Origin {
             return Ok(Self::StillLife);
         }
         let path = item.file()?;
-        match extension(&path).as_str() {
-            "toml" => Ok(Self::Scene(path)),
-            "glb" | "gltf" | "obj" | "ply" => Ok(Self::Mesh(path)),
-            _ => {
-                let files = "a scene (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)";
-                Err(item.refuse(&format!("\"{STILL_LIFE}\" or the path of {files}")))
-            }
+        if extension(&path) == "toml" {
+            return Ok(Self::Scene(path));
         }
+        if is_mesh(&path) {
+            return Ok(Self::Mesh(path));
+        }
+        let files = format!("a scene (.toml) or mesh ({MESHES})");
+        Err(item.refuse(&format!("\"{STILL_LIFE}\" or the path of {files}")))
     }
 }
 

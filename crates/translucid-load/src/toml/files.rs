@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 use translucid_scene::description::FileList;
-use translucid_scene::{ColorSpace, Scene, Warning};
+use translucid_scene::{ImageKind, Scene, Warning};
 
 use crate::loading::Loading;
 
@@ -32,7 +32,7 @@ pub(super) struct NamedFiles {
 /// Files that things of a scene name, each with its index there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct KnownFiles {
-    pub(super) images: Vec<(PathBuf, ColorSpace, usize)>,
+    pub(super) images: Vec<(PathBuf, ImageKind, usize)>,
     pub(super) tables: Vec<(PathBuf, usize)>,
 }
 

@@ -24,7 +24,7 @@ use object::{GeometryOrigin, ObjectEntry};
 use parse::parse;
 use translucid_scene::description::{Entry, FileRequest, Item, Provenance, Table, Word};
 use translucid_scene::{
-    Camera, ColorSpace, Environment, Film, Integrator, Light, Material, Scene, SceneError,
+    Camera, Environment, Film, ImageKind, Integrator, Light, Material, Scene, SceneError,
 };
 
 pub use build::SceneBuilder;
@@ -89,7 +89,7 @@ pub struct SceneFile {
     /// The camera of the base where the file states none, as far as that is known.
     base_camera: Option<Camera>,
     objects: Vec<ObjectEntry>,
-    images: Vec<FileRequest<ColorSpace>>,
+    images: Vec<FileRequest<ImageKind>>,
     profile_tables: Vec<FileRequest<()>>,
     /// Whether materials are in documents that have not been opened.
     has_documents: bool,

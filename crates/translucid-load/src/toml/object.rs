@@ -234,12 +234,12 @@ fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
 
 /// Sixteen numbers row by row, the last row 0 0 0 1.
 fn read_matrix(item: &Item<'_>) -> Result<DAffine3, SceneError> {
+    let m: [f32; 16] = item.numbers(Interval::COORDINATE)?;
     let numbers = item.array::<16>("numbers")?;
     let mut translation = DVec3::ZERO;
     for axis in 0..3 {
         translation[axis] = numbers[4 * axis + 3].double(Interval::COORDINATE)?;
     }
-    let m: [f32; 16] = item.numbers(Interval::COORDINATE)?;
     if m[12..] != [0.0, 0.0, 0.0, 1.0] {
         return Err(item.refuse("four rows of four numbers whose last row is 0, 0, 0, 1"));
     }

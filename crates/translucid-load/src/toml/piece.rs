@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3};
 use translucid_scene::description::{Content, Entry, FileRequest, Provenance, Table, Value};
 use translucid_scene::{
-    Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
+    Camera, Environment, Film, Image, ImageKind, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
     SceneError, SubsurfaceModel, Unit, Warning,
 };
 
@@ -229,15 +229,16 @@ fn refuse_images(files: &NamedFiles) -> Result<(), SceneError> {
 
 /// The image at hand or in a file.
 fn load_or_take(
-    request: &FileRequest<ColorSpace>,
+    request: &FileRequest<ImageKind>,
     loading: &mut Loading<'_>,
 ) -> Result<Arc<Image>, SceneError> {
     // Floating-point values are linear in any case
+    let color_space = request.kind.color_space();
     let is_as_asked =
-        |image: &Image| image.color_space == request.kind || matches!(image.pixels, Pixels::Float(_));
+        |image: &Image| image.color_space == color_space || matches!(image.pixels, Pixels::Float(_));
     match &request.image {
         Some(image) if is_as_asked(image) => Ok(Arc::clone(image)),
-        Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
+        Some(image) => Ok(Arc::new(Image { color_space, ..Image::clone(image) })),
         None => {
             check_present(&request.path, &request.place)?;
             read_image(&request.path, request.kind, loading).map(Arc::new)
@@ -423,7 +424,7 @@ impl SceneBuilder {
     ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
         let (mut images, mut tables) = (Vec::new(), Vec::new());
         for request in &files.list.images {
-            let is_same = |(path, kind, _): &&(PathBuf, ColorSpace, usize)| {
+            let is_same = |(path, kind, _): &&(PathBuf, ImageKind, usize)| {
                 *path == request.path && *kind == request.kind
             };
             let index = match self.files.images.iter().find(is_same) {
@@ -478,6 +479,7 @@ impl From<Scene> for SceneBuilder {
 
 #[cfg(test)]
 mod tests {
+    use translucid_scene::ColorSpace;
 
     use super::*;
     use crate::SceneFile;

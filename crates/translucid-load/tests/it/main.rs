@@ -2,6 +2,7 @@
 
 #![allow(missing_docs, reason = "a test binary has no public items")]
 
+mod doubling;
 mod files;
 mod gltf;
 mod scans;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::table::Item;
 use super::value::Content;
-use crate::{ColorSpace, Image, Place, SceneError};
+use crate::{Image, ImageKind, Place, SceneError};
 
 /// A file that a scene needs, and where it is asked for.
 #[derive(Clone, Debug)]
@@ -23,8 +23,8 @@ pub struct FileRequest<K> {
 /// Images and profile tables that a scene is to have after those that it has.
 #[derive(Clone, Debug, Default)]
 pub struct FileList {
-    /// Images, each to be decoded from a color space.
-    pub images: Vec<FileRequest<ColorSpace>>,
+    /// Images, each to be decoded as its kind.
+    pub images: Vec<FileRequest<ImageKind>>,
     /// Tables of profiles.
     pub tables: Vec<FileRequest<()>>,
     /// Number of images and of tables that the scene has: the index of a request is its index there.
@@ -37,8 +37,8 @@ impl FileList {
         Self { before: [images, tables], ..Self::default() }
     }
 
-    /// Index of an image; the same one in the same color space is loaded once.
-    pub fn add_image(&mut self, wanted: FileRequest<ColorSpace>) -> usize {
+    /// Index of an image; the same one of the same kind is loaded once.
+    pub fn add_image(&mut self, wanted: FileRequest<ImageKind>) -> usize {
         self.before[0] + add(&mut self.images, wanted)
     }
 
@@ -46,12 +46,12 @@ impl FileList {
     ///
     /// # Errors
     /// The value is neither.
-    pub fn image(&mut self, item: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
+    pub fn image(&mut self, item: &Item<'_>, kind: ImageKind) -> Result<usize, SceneError> {
         let (path, image) = match item.content() {
             Content::Image(image) => (PathBuf::from(&image.name), Some(Arc::clone(image))),
             _ => (item.file()?, None),
         };
-        Ok(self.add_image(FileRequest { path, kind: color_space, place: item.place(), image }))
+        Ok(self.add_image(FileRequest { path, kind, place: item.place(), image }))
     }
 
     /// Index of the table of profiles in a file.

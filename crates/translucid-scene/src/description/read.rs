@@ -10,8 +10,8 @@ use crate::interval::{Interval, WholeInterval};
 use crate::placement::{check_edges, check_unit, is_rotation};
 
 use crate::{
-    Channel, ColorInput, ColorSpace, NormalMap, Projection, ScalarInput, SceneError, SubsurfaceModel,
-    TextureRef, Unit, Wrap,
+    Channel, ColorInput, ColorSpace, ImageKind, NormalMap, Projection, ScalarInput, SceneError,
+    SubsurfaceModel, TextureRef, Unit, Wrap,
 };
 
 /// Keys of a table with the image of a color.
@@ -311,7 +311,7 @@ fn read_color_table(
     let color_space = table.read("color_space", ColorSpace::Srgb, |item| item.word())?;
     Ok(ColorInput {
         factor: table.read("factor", Vec3::ONE, |item| item.color(ColorInput::TEXTURED))?,
-        texture: Some(read_texture(&table, color_space, files)?),
+        texture: Some(read_texture(&table, ImageKind::Color(color_space), files)?),
         vertex_color: table.read("vertex_color", false, Item::flag)?,
     })
 }
@@ -345,7 +345,7 @@ fn read_scalar_table(
     let channel = table.read("channel", Channel::Red, |item| item.word())?;
     Ok(ScalarInput {
         factor: table.read("factor", 1.0, |item| item.number(ScalarInput::TEXTURED))?,
-        texture: Some((read_texture(&table, color_space, files)?, channel)),
+        texture: Some((read_texture(&table, ImageKind::Plain(color_space), files)?, channel)),
     })
 }
 
@@ -360,7 +360,7 @@ fn read_normal_map(
     match (item.content(), base) {
         (Content::Text(_), Some(_)) if item.is_none() => Ok(None),
         (Content::Text(_), _) => {
-            let image = files.image(item, ColorSpace::Linear)?;
+            let image = files.image(item, ImageKind::Plain(ColorSpace::Linear))?;
             Ok(Some(NormalMap { texture: TextureRef::new(image), scale: 1.0 }))
         }
         (Content::Table(_), base) => read_normal_table(item.table()?, base, files).map(Some),
@@ -377,19 +377,15 @@ fn read_normal_table(
     let table = table.allow(if base.is_some() { &["file", "scale"] } else { NORMAL_KEYS })?;
     let texture = match base {
         Some(base) => base.texture,
-        None => read_texture(&table, ColorSpace::Linear, files)?,
+        None => read_texture(&table, ImageKind::Plain(ColorSpace::Linear), files)?,
     };
     let scale = base.map_or(1.0, |base| base.scale);
     Ok(NormalMap { texture, scale: table.read("scale", scale, |item| item.number(NormalMap::SCALE))? })
 }
 
-fn read_texture(
-    table: &Table<'_>,
-    color_space: ColorSpace,
-    files: &mut FileList,
-) -> Result<TextureRef, SceneError> {
+fn read_texture(table: &Table<'_>, kind: ImageKind, files: &mut FileList) -> Result<TextureRef, SceneError> {
     Ok(TextureRef {
-        image: files.image(&table.require("file")?, color_space)?,
+        image: files.image(&table.require("file")?, kind)?,
         image_from_uv: read_mapping(table)?,
         wrap: table.read("wrap", [Wrap::Repeat; 2], read_wrap)?,
     })

@@ -18,6 +18,8 @@ use crate::{Place, SceneError};
 pub struct Provenance {
     path: PathBuf,
     text: Arc<str>,
+    /// Where the lines of the text end: a large file has many places.
+    line_ends: Arc<[usize]>,
     /// The part of a scene that the values are about, where they are in no file.
     part: Option<String>,
     /// The origin of the scene, from which the points that are read are counted.
@@ -27,13 +29,16 @@ pub struct Provenance {
 impl Provenance {
     /// A file with its text.
     pub fn file(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: Arc::from(text), part: None, origin: DVec3::ZERO }
+        let line_ends =
+            text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(end, _)| end).collect();
+        Self { path: path.to_owned(), text: Arc::from(text), line_ends, part: None, origin: DVec3::ZERO }
     }
 
     /// Values that are in no file: errors name the part of the scene that they are about.
     pub fn part(part: &str) -> Self {
-        let (path, text) = (PathBuf::new(), Arc::from(""));
-        Self { path, text, part: Some(part.to_owned()), origin: DVec3::ZERO }
+        let (text, line_ends) = (Arc::from(""), Arc::from([]));
+        let path = PathBuf::new();
+        Self { path, text, line_ends, part: Some(part.to_owned()), origin: DVec3::ZERO }
     }
 
     /// The same values in a scene of this [origin](crate::Scene::origin).
@@ -56,7 +61,11 @@ impl Provenance {
     pub fn place(&self, span: Range<usize>) -> Place {
         match &self.part {
             Some(part) => Place::part(&self.path, part),
-            None => Place::span(&self.path, &self.text, span),
+            None => Place {
+                line: Some(1 + self.line_ends.partition_point(|&end| end < span.start)),
+                excerpt: Some((Arc::clone(&self.text), span)),
+                ..Place::file(&self.path)
+            },
         }
     }
 

@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn transforming_each_vertex_alike_is_transforming_the_mesh() {
-        let linear = glam::Mat3::from_cols(Vec3::new(-2.0, 0.5, 0.0), Vec3::Y, Vec3::new(0.25, 0.0, 3.0));
+        let linear = Mat3::from_cols(Vec3::new(-2.0, 0.5, 0.0), Vec3::Y, Vec3::new(0.25, 0.0, 3.0));
         let map = Affine3A::from_mat3_translation(linear, Vec3::new(1.0, 2.0, 3.0));
         let map_64 = DAffine3::from_mat3_translation(linear.as_dmat3(), DVec3::new(1.0, 2.0, 3.0));
         let mesh = tetrahedron();

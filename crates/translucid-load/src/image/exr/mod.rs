@@ -3,23 +3,26 @@
 mod names;
 mod parts;
 mod picture;
+mod stated;
 
-use translucid_scene::{Pixels, SceneError, Warning};
+use translucid_scene::{SceneError, Warning};
 
-use super::Decoded;
+use super::encoding::Samples;
 use super::file_bytes::ImageBytes;
+use super::{Decoded, Picture as Decoding};
 use parts::{Parts, Plane};
 use picture::Picture;
 
 /// Reads the picture of a file, in whatever part it is: channels R, G, B (and A), or Y as grey, or else three others.
 ///
-/// A file of nothing but a depth is refused: it is no picture.
+/// A file of nothing but a depth is refused: it is no picture. So is one of several layers none of which is called a picture.
 ///
 /// Channels of a layer ("beauty.R") are taken if there are none without.
 /// Pixels of the display window that the data window does not cover are black and clear.
 pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Decoded {
     let parts = Parts::open(source)?;
-    let picture = Picture::choose(&parts.names()).map_err(|message| source.error(message))?;
+    let picture = Picture::choose(&parts.names())
+        .map_err(|(message, help)| SceneError { help, ..source.error(message) })?;
     let channels = picture.channels();
     let window = parts.display_window(channels[0]);
     let [width, height] = window.size;
@@ -31,10 +34,11 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
     for y in (window.start[1]..).take(height) {
         pixels.extend((window.start[0]..).take(width).map(|x| pixel(color, alpha, [x, y])));
     }
-    if let Some(message) = picture.doubt {
+    if let Some(message) = picture.said {
         warnings.push(Warning { message, place: Some(source.place.clone()) });
     }
-    Ok(([width, height], Pixels::Float(pixels)))
+    let stated = stated::stated(parts.header(channels[0]));
+    Ok(Decoding { stated, ..Decoding::plain([width, height], Samples::Float(pixels)) })
 }
 
 /// A pixel of the planes of red, green and blue, and of alpha if there is one.
@@ -178,6 +182,60 @@ mod tests {
         assert_eq!(image.texel(1, 0), [0.0; 4]);
         assert_eq!(image.texel(1, 1), [0.0, 10.0, 20.0, 1.0]);
         assert_eq!(image.texel(3, 2), [5.0, 15.0, 25.0, 1.0]);
+    }
+
+    #[test]
+    fn exr_of_other_primaries_becomes_rec_709() {
+        use exr::meta::attribute::{AttributeValue, Chromaticities};
+        let with = |change: &dyn Fn(&mut ImageAttributes)| {
+            let mut image = file(&["R", "G", "B"], LayerAttributes::default(), Encoding::UNCOMPRESSED);
+            for (channel, value) in image.layer_data.channel_data.list.iter_mut().zip([0.2, 0.8, 0.2]) {
+                channel.sample_data = FlatSamples::F32(vec![value; 6]);
+            }
+            change(&mut image.attributes);
+            decoded(&bytes(&image)).unwrap()
+        };
+        let id = |id: &str| {
+            with(&|attributes| {
+                attributes.other.insert("colorInteropID".into(), AttributeValue::Text(id.into()));
+            })
+        };
+        let expected = [-0.1731_f32, 0.8845, 0.1226];
+        let is_near = |image: &Image, expected: [f32; 3]| {
+            image
+                .texel(1, 1)
+                .into_iter()
+                .zip(expected)
+                .all(|(value, expected)| (value - expected).abs() < 5e-4)
+        };
+        let ap1 = Chromaticities {
+            red: Vec2(0.713, 0.293),
+            green: Vec2(0.165, 0.83),
+            blue: Vec2(0.128, 0.044),
+            white: Vec2(0.32168, 0.33767),
+        };
+        let stated = with(&|attributes| attributes.chromaticities = Some(ap1)).0;
+        assert!(is_near(&stated, expected), "{:?}", stated.texel(1, 1));
+        let named = id("lin_ap1_scene").0;
+        assert!(is_near(&named, expected), "{:?}", named.texel(1, 1));
+        assert!(is_near(&id("lin_rec709_scene").0, [0.2, 0.8, 0.2]));
+        // sRGB's curve and the matrix of SMPTE EG 432-1
+        assert!(
+            is_near(&id("srgb_p3d65_scene").0, [-0.0953, 0.6278, -0.0118]),
+            "{:?}",
+            id("srgb_p3d65_scene").0.texel(1, 1)
+        );
+        let aces = with(&|attributes| {
+            attributes.other.insert("acesImageContainerFlag".into(), AttributeValue::I32(1));
+        });
+        // The matrix of AP0 to Rec. 709 by Bradford has 2.5217, −1.1341, −0.3877 in its first row
+        assert!((aces.0.texel(0, 0)[0] - (0.2 * 2.5217 - 0.8 * 1.1341 - 0.2 * 0.3877)).abs() < 2e-3);
+        let (image, warnings) = id("ocio:something");
+        assert!(is_near(&image, [0.2, 0.8, 0.2]));
+        assert!(
+            warnings[0].to_string().contains("colorInteropID \"ocio:something\" is not known"),
+            "{warnings:?}"
+        );
     }
 
     type Part = Layer<AnyChannels<FlatSamples>>;

@@ -5,12 +5,25 @@ use std::collections::HashSet;
 use exr::meta::attribute::Text;
 use exr::meta::header::Header;
 
-/// Layers that hold the finished picture, in any case: Blender's, that of most other renderers, and Nuke's.
-const PICTURES: [&str; 3] = ["combined", "beauty", "rgba"];
+/// Layers that hold the finished picture, in any case: Blender's, that of most other renderers, Nuke's, and RenderMan's.
+const PICTURES: [&str; 5] = ["combined", "beauty", "rgba", "rgb", "ci"];
 
-/// Whether a layer or part is called as the finished picture is; views may follow ("ViewLayer.Combined.left").
+/// The place in [`PICTURES`] of a layer or part that is called so; views may follow ("ViewLayer.Combined.left").
+pub(super) fn picture_rank(name: &str) -> Option<usize> {
+    let rank = |word: &str| PICTURES.iter().position(|picture| word.eq_ignore_ascii_case(picture));
+    name.split('.').filter_map(rank).min()
+}
+
+/// Whether a layer or part is called as the finished picture is.
 pub(super) fn is_picture(name: &str) -> bool {
-    name.split('.').any(|word| PICTURES.iter().any(|picture| word.eq_ignore_ascii_case(picture)))
+    picture_rank(name).is_some()
+}
+
+/// A layer's name up to the word that calls it a picture: what follows is a view.
+pub(super) fn before_view(name: &str) -> Option<Vec<&str>> {
+    let words: Vec<&str> = name.split('.').collect();
+    let end = words.iter().position(|word| is_picture(word))?;
+    Some(words[..=end].to_vec())
 }
 
 /// The layer that a channel belongs to, with its dot: "albedo." of "albedo.R", nothing of "R".

@@ -135,7 +135,8 @@ impl<'a> Parts<'a> {
         Window::new(self.header(channel).shared_attributes.display_window)
     }
 
-    fn header(&self, channel: usize) -> &Header {
+    /// The header of a channel's part.
+    pub(super) fn header(&self, channel: usize) -> &Header {
         &self.headers[self.channels[channel].part]
     }
 

@@ -1,8 +1,8 @@
 //! The channels of an OpenEXR file that are the picture.
 
-use super::names::{is_picture, layer};
+use super::names::{before_view, layer, picture_rank};
 
-/// Layers that a warning names.
+/// Layers that a message names.
 const MOST_NAMED: usize = 4;
 
 /// Numbers of the channels of a picture.
@@ -10,24 +10,31 @@ const MOST_NAMED: usize = 4;
 pub(super) struct Picture {
     pub(super) color: [Option<usize>; 3],
     pub(super) alpha: Option<usize>,
-    /// A warning where other layers may be meant, too.
-    pub(super) doubt: Option<String>,
+    /// A warning which layer is taken, where there are others.
+    pub(super) said: Option<String>,
 }
+
+/// Why there is no picture, and what to do.
+type Refusal = (String, Option<String>);
 
 impl Picture {
     /// Chooses among the channels of all parts: R, G, B (and A), or Y as grey, or else the first three of a layer.
     ///
-    /// Channels without a layer come first, then those of a layer that is called as a picture is, then any other.
+    /// Colors may be written out and in small letters ("red", "g").
+    /// Channels without a layer come first, then those of a layer that is called as a picture is, then those of the only layer.
     ///
     /// # Errors
-    /// There are no channels, or nothing but depths.
-    pub(super) fn choose(names: &[&str]) -> Result<Self, String> {
-        let find = |name: String| names.iter().position(|other| *other == name);
-        let (prefix, doubt) = match prefixes(names) {
-            prefixes if prefixes.is_empty() => return Err(no_picture(names)),
-            prefixes => choose_prefix(&prefixes),
+    /// There are no channels, nothing but depths, or several layers and none that is called a picture.
+    pub(super) fn choose(names: &[&str]) -> Result<Self, Refusal> {
+        let (prefix, said) = match prefixes(names) {
+            prefixes if prefixes.is_empty() => return Err((no_picture(names), None)),
+            prefixes => choose_prefix(&prefixes)?,
         };
-        let member = |component: &str| find(format!("{prefix}{component}"));
+        let member = |component: &str| member(names, prefix, component);
+        if member("Y").is_some() && (member("RY").is_some() || member("BY").is_some()) {
+            let message = "holds luminance and color differences (Y, RY, BY), which cannot be read";
+            return Err((message.into(), Some("save it with channels R, G, B".into())));
+        }
         let color = match (member("R"), member("Y"), member("X")) {
             (Some(red), ..) => [Some(red), member("G"), member("B")],
             (None, Some(grey), None) => [Some(grey); 3],
@@ -39,7 +46,7 @@ impl Picture {
                 }
             }
         };
-        Ok(Self { color, alpha: member("A"), doubt })
+        Ok(Self { color, alpha: member("A"), said })
     }
 
     /// Numbers of all its channels.
@@ -49,6 +56,26 @@ impl Picture {
         channels.dedup();
         channels
     }
+}
+
+/// A component in OpenEXR's letters, by that name or written out, in any case.
+fn component(name: &str) -> String {
+    let own = &name[layer(name).len()..];
+    let upper = own.to_ascii_uppercase();
+    match upper.as_str() {
+        "RED" => "R".into(),
+        "GREEN" => "G".into(),
+        "BLUE" => "B".into(),
+        "ALPHA" => "A".into(),
+        "R" | "G" | "B" | "A" | "Y" | "X" | "RY" | "BY" => upper,
+        _ => own.to_owned(),
+    }
+}
+
+/// The number of a layer's channel, in OpenEXR's own letters if it has that, too.
+fn member(names: &[&str], prefix: &str, wanted: &str) -> Option<usize> {
+    let exact = names.iter().position(|name| name.strip_prefix(prefix) == Some(wanted));
+    exact.or_else(|| names.iter().position(|name| layer(name) == prefix && component(name) == wanted))
 }
 
 /// The layers that may be the picture, in their order: those with R, or else with a grey, or else with anything but depths.
@@ -62,8 +89,7 @@ fn prefixes<'a>(names: &[&'a str]) -> Vec<&'a str> {
         }
         found
     };
-    let component = |name: &str| name[layer(name).len()..].to_owned();
-    let is_vector = |name: &str| names.contains(&format!("{}X", layer(name)).as_str());
+    let is_vector = |name: &str| member(names, layer(name), "X").is_some();
     let kinds: [&dyn Fn(&str) -> bool; 3] =
         [&|name| component(name) == "R", &|name| component(name) == "Y" && !is_vector(name), &|name| {
             !is_depth(name)
@@ -72,21 +98,48 @@ fn prefixes<'a>(names: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// The layer that is taken of several, and a warning unless it is plain which.
-fn choose_prefix<'a>(prefixes: &[&'a str]) -> (&'a str, Option<String>) {
+fn choose_prefix<'a>(prefixes: &[&'a str]) -> Result<(&'a str, Option<String>), Refusal> {
     if let Some(plain) = prefixes.iter().find(|prefix| prefix.is_empty()) {
-        return (plain, None);
+        return Ok((plain, None));
     }
-    let called: Vec<&str> = prefixes.iter().copied().filter(|prefix| is_picture(prefix)).collect();
-    let meant = if called.is_empty() { prefixes } else { &called };
-    let quoted = |prefix: &&str| format!("\"{}\"", prefix.trim_end_matches('.'));
-    let others: Vec<String> = meant[1..].iter().take(MOST_NAMED).map(quoted).collect();
-    let more = meant.len().saturating_sub(1 + MOST_NAMED);
-    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-    let doubt = (!others.is_empty()).then(|| {
-        let (taken, others) = (quoted(&meant[0]), others.join(", "));
-        format!("the layer {taken} is taken as the picture, which may be {others}{more}, too")
-    });
-    (meant[0], doubt)
+    if let &[only] = prefixes {
+        return Ok((only, None));
+    }
+    let best = prefixes.iter().filter_map(|prefix| picture_rank(prefix)).min();
+    let called: Vec<&str> =
+        prefixes.iter().copied().filter(|prefix| best.is_some() && picture_rank(prefix) == best).collect();
+    let quoted = |prefix: &str| format!("\"{}\"", prefix.trim_end_matches('.'));
+    let list = |prefixes: &[&str]| {
+        let named: Vec<String> = prefixes.iter().take(MOST_NAMED).map(|prefix| quoted(prefix)).collect();
+        let more = prefixes.len().saturating_sub(MOST_NAMED);
+        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+        named.join(", ") + &more
+    };
+    match called[..] {
+        [only] => {
+            let others: Vec<&str> = prefixes.iter().copied().filter(|prefix| *prefix != only).collect();
+            let (taken, others) = (quoted(only), list(&others));
+            Ok((only, Some(format!("the layer {taken} is taken as the picture; {others} left out"))))
+        }
+        // The same pass in several views
+        [first, ref others @ ..] if others.iter().all(|other| before_view(other) == before_view(first)) => {
+            let (taken, others) = (quoted(first), list(others));
+            Ok((
+                first,
+                Some(format!("the layer {taken} is taken as the picture, which may be {others}, too")),
+            ))
+        }
+        _ => {
+            let candidates = if called.is_empty() { prefixes } else { &called[..] };
+            let layer = candidates[0];
+            let message = format!("which of the layers {} is the picture is not known", list(candidates));
+            let help = format!(
+                "save one of them alone, for instance by `oiiotool FILE --ch R={layer}R,G={layer}G,B={layer}B -o \
+                 picture.exr`, or call it Combined, beauty or rgba"
+            );
+            Err((message, Some(help)))
+        }
+    }
 }
 
 /// Why there is no picture among these channels.
@@ -109,18 +162,48 @@ mod tests {
     fn chosen(names: &[&str]) -> (Vec<String>, Option<String>) {
         let picture = Picture::choose(names).unwrap();
         let channels = picture.color.iter().chain([&picture.alpha]).flatten();
-        (channels.map(|&i| names[i].to_owned()).collect(), picture.doubt)
+        (channels.map(|&i| names[i].to_owned()).collect(), picture.said)
+    }
+
+    fn refused(names: &[&str]) -> (String, String) {
+        let (message, help) = Picture::choose(names).unwrap_err();
+        (message, help.unwrap_or_default())
     }
 
     #[test]
-    fn picture_is_plain_or_called_so_or_the_first() {
+    fn picture_is_plain_or_called_so_or_the_only_layer() {
         let layers = ["AO.R", "V.Combined.A", "V.Combined.B", "V.Combined.G", "V.Combined.R", "V.Emission.R"];
         let combined = ["V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Combined.A"].map(String::from);
-        assert_eq!(chosen(&layers), (combined.to_vec(), None));
+        let said = "the layer \"V.Combined\" is taken as the picture; \"AO\", \"V.Emission\" left out";
+        assert_eq!(chosen(&layers), (combined.to_vec(), Some(said.to_owned())));
         assert_eq!(chosen(&["a.R", "R", "Beauty.R"]), (vec![String::from("R")], None));
-        let (channels, doubt) = chosen(&["x.R", "y.R", "z.Y"]);
-        assert_eq!(channels, ["x.R"]);
-        assert_eq!(doubt.unwrap(), "the layer \"x\" is taken as the picture, which may be \"y\", too");
+        // Blender's name comes before others that a compositor may add
+        assert_eq!(chosen(&["a.rgba.R", "b.Combined.R"]).0, ["b.Combined.R"]);
+        assert_eq!(
+            chosen(&["albedo.R", "albedo.G", "Z"]),
+            (vec!["albedo.R".into(), "albedo.G".into()], None)
+        );
+    }
+
+    #[test]
+    fn picture_of_several_layers_is_asked_for() {
+        let (message, help) = refused(&["x.R", "y.R", "z.Y"]);
+        assert_eq!(
+            message,
+            "which of the layers \"x.\", \"y.\" is the picture is not known".replace(".\"", "\"")
+        );
+        assert!(help.contains("oiiotool FILE --ch R=x.R,G=x.G,B=x.B -o picture.exr"), "{help}");
+        let (message, _) = refused(&["V1.Combined.R", "V2.Combined.R", "V1.AO.R"]);
+        assert!(message.contains("\"V1.Combined\", \"V2.Combined\" is"), "{message}");
+        let many: Vec<String> = (0..9).map(|i| format!("{i}.R")).collect();
+        let (message, _) = refused(&many.iter().map(String::as_str).collect::<Vec<_>>());
+        assert!(message.contains("\"0\", \"1\", \"2\", \"3\" and 5 more is"), "{message}");
+        let (message, _) = refused(&["Y", "RY", "BY"]);
+        assert!(message.contains("(Y, RY, BY)"), "{message}");
+    }
+
+    #[test]
+    fn picture_of_several_views_is_the_first() {
         let views = ["V.Combined.left.R", "V.Combined.right.R", "V.Glossy.left.R"];
         let doubt = chosen(&views).1.unwrap();
         assert!(
@@ -131,13 +214,22 @@ mod tests {
     }
 
     #[test]
+    fn colors_may_be_written_out_and_in_small_letters() {
+        assert_eq!(chosen(&["b", "g", "r"]).0, ["r", "g", "b"]);
+        assert_eq!(chosen(&["C.a", "C.b", "C.g", "C.r"]).0, ["C.r", "C.g", "C.b", "C.a"]);
+        let written = ["beauty.alpha", "beauty.blue", "beauty.green", "beauty.red"];
+        let expected = ["beauty.red", "beauty.green", "beauty.blue", "beauty.alpha"];
+        assert_eq!(chosen(&written).0, expected);
+        assert_eq!(chosen(&["BLUE", "GREEN", "RED"]).0, ["RED", "GREEN", "BLUE"]);
+        assert_eq!(chosen(&["B", "G", "R", "r"]).0, ["R", "G", "B"]);
+        assert_eq!(chosen(&["y"]).0, ["y"; 3]);
+    }
+
+    #[test]
     fn picture_of_a_vector_has_its_components() {
         let vector = ["V.Depth.Z", "V.Normal.X", "V.Normal.Y", "V.Normal.Z"];
         let normal = ["V.Normal.X", "V.Normal.Y", "V.Normal.Z"].map(String::from);
         assert_eq!(chosen(&vector), (normal.to_vec(), None));
         assert_eq!(chosen(&["V.Mist.Z", "mask"]).0, ["mask"; 3]);
-        let many: Vec<String> = (0..9).map(|i| format!("{i}.R")).collect();
-        let doubt = chosen(&many.iter().map(String::as_str).collect::<Vec<_>>()).1.unwrap();
-        assert!(doubt.ends_with("which may be \"1\", \"2\", \"3\", \"4\" and 4 more, too"), "{doubt}");
     }
 }

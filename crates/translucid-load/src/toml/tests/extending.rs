@@ -279,14 +279,39 @@ fn options_reach_through_a_row_of_files() {
     assert_eq!(error.help.as_deref(), Some("in a scene file it is the key preset at the top"));
 }
 
+/// What can be rendered can be extended, so that a page can save what it shows.
+#[test]
+fn every_mesh_format_is_extended() {
+    let folder = Folder::new();
+    let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let line = |numbers: [i32; 3]| numbers.map(|x| x.to_string()).join(" ");
+    let facets = faces.map(|face| {
+        let vertices = face.map(|i| format!("vertex {}\n", line(corners[i]))).concat();
+        format!("facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n")
+    });
+    folder.file("pyramid.stl", &format!("solid pyramid\n{}endsolid\n", facets.concat()));
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                  element face 4\nproperty list uchar int vertex_indices\nend_header\n";
+    let rows = corners.map(|corner| line(corner) + "\n").concat();
+    let polygons = faces.map(|face| format!("3 {} {} {}\n", face[0], face[1], face[2])).concat();
+    folder.file("pyramid.ply", &format!("{header}{rows}{polygons}"));
+    for name in ["pyramid.obj", "pyramid.ply", "pyramid.stl"] {
+        let text = format!("extends = \"{name}\"\npreset = \"jade\"\n[film]\nexposure = 2\n");
+        let (scene, _) = folder.try_load(&text, &LoadOptions::default()).unwrap();
+        assert_eq!((scene.film.exposure, scene.materials[0].name.as_str()), (2.0, "jade"), "{name}");
+        assert_eq!(scene.objects[0].mesh.triangles.len(), 4, "{name}");
+    }
+}
+
 #[test]
 fn broken_extends_is_refused() {
     let folder = Folder::new();
-    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)";
+    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply or .stl)";
     folder.refuse(
-        "extends = \"a.stl\"",
-        &format!("extends is \"a.stl\", but must be {paths}"),
-        "\"a.stl\"",
+        "extends = \"a.fbx\"",
+        &format!("extends is \"a.fbx\", but must be {paths}"),
+        "\"a.fbx\"",
         "",
     );
     folder.refuse("extends = 3", "extends is a number, but must be the path of a file", "3", "");

@@ -3,9 +3,9 @@
 use glam::{DVec3, Mat3, Vec2, Vec3};
 use translucid_profile::convention::preset;
 use translucid_scene::{
-    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator,
-    Light, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
+    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, ImageKind,
+    Integrator, Light, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
 };
 
 use super::{BALL, load, parse};
@@ -260,9 +260,10 @@ fn material_textures_have_their_mapping() {
     );
     let file = parse(&text).unwrap();
     let m = &file.scene.materials[0];
-    let spaces: Vec<ColorSpace> = file.images.iter().map(|image| image.kind).collect();
+    let kinds: Vec<ImageKind> = file.images.iter().map(|image| image.kind).collect();
     // One image in two color spaces is two images; the same in the same space is one.
-    assert_eq!(spaces, [ColorSpace::Srgb, ColorSpace::Linear, ColorSpace::Linear]);
+    let data = ImageKind::Plain(ColorSpace::Linear);
+    assert_eq!(kinds, [ImageKind::Color(ColorSpace::Srgb), data, data]);
     let base = m.base_color.texture.unwrap();
     assert_eq!((base.image, m.subsurface_color.texture.unwrap().image), (0, 0));
     assert_eq!(base.wrap, [Wrap::Clamp, Wrap::Mirror]);

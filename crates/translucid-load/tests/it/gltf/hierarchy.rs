@@ -69,9 +69,14 @@ fn non_uniform_scale_keeps_normals_perpendicular_to_the_surface() {
 fn instances_are_objects_of_their_own_and_primitives_share_a_group() {
     let mut file = File::tetrahedron();
     let primitive = file.primitive().clone();
-    file.json["meshes"][0]["primitives"] = json!([primitive, primitive]);
+    let mut other = primitive.clone();
+    other["mode"] = json!(4);
+    // One that repeats another is left out
+    file.json["meshes"][0]["primitives"] = json!([primitive, other, primitive]);
     file.push("nodes", json!({ "mesh": 0, "translation": [5, 0, 0] }));
-    let scene = file.load().scene;
+    let loaded = file.load();
+    assert!(loaded.warned_of("primitives that repeat another one are left out"), "{:?}", loaded.warnings);
+    let scene = loaded.scene;
     let groups: Vec<u32> = scene.objects.iter().map(|object| object.subsurface_group).collect();
     assert_eq!(groups, [0, 0, 1, 1]);
     let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();

@@ -119,14 +119,14 @@ fn skins_far_from_the_origin_keep_their_digits() {
 #[test]
 fn faults_of_skins_are_named() {
     let joint = json!({ "translation": [5, 0, 0] });
-    let mut file = skinned(&[joint.clone()], [[0, 3, 0, 0]; 4], [[255, 1, 0, 0]; 4]);
+    let mut file = skinned(std::slice::from_ref(&joint), [[0, 3, 0, 0]; 4], [[255, 1, 0, 0]; 4]);
     let error = parse(&file.glb(), Unit::Meter).err().unwrap();
     assert!(error.contains("refers to joint 3, but its skin has 1"), "{error}");
     file.json["skins"][0]["joints"] = json!([9]);
     let error = parse(&file.glb(), Unit::Meter).err().unwrap();
     assert!(error.contains("skin 0") && error.contains("refers to node 9"), "{error}");
 
-    let file = skinned(&[joint.clone()], [[0; 4]; 4], [[0; 4]; 4]);
+    let file = skinned(std::slice::from_ref(&joint), [[0; 4]; 4], [[0; 4]; 4]);
     let loaded = file.load();
     assert!(loaded.warned_of("vertices without weights follow their first joint"), "{:?}", loaded.warnings);
     assert_eq!(loaded.mesh().positions[0], 5.0 * Vec3::X);

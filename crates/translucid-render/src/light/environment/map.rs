@@ -15,7 +15,6 @@ use translucid_scene::Image;
 
 use super::super::distribution::Discrete;
 use super::super::receiver::{Receiver, luminance};
-use super::finite_color;
 
 /// Most cells of the table in azimuth and in elevation; a larger image has several pixels to the cell.
 const MOST_CELLS: [usize; 2] = [1024, 512];
@@ -127,7 +126,9 @@ impl Pixels {
         let (width, height) = (image.width.max(1), image.height.max(1));
         let color = |x, y| {
             let [r, g, b, _] = image.texel(x, y);
-            finite_color(Vec3::new(r, g, b) * factor)
+            // Negative channels are colors beyond Rec. 709
+            let color = Vec3::new(r, g, b) * factor;
+            Vec3::from_array(color.to_array().map(|c| if c.is_finite() { c } else { 0.0 }))
         };
         let data =
             (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| color(x, y)).collect();
@@ -145,13 +146,14 @@ impl Pixels {
         row(j).lerp(row(below), t)
     }
 
-    /// Mean over a pixel's area of the interpolated luminance: weights ⅛, ¾, ⅛ in each direction.
+    /// Mean over a pixel's area of the interpolated luminance, negative channels counted as positive: weights ⅛, ¾, ⅛ in each
+    /// direction.
     fn mean_luminance(&self, i: usize, j: usize) -> f32 {
         let columns = [(i + self.width - 1) % self.width, i, (i + 1) % self.width];
         let rows = [j.saturating_sub(1), j, (j + 1).min(self.height - 1)];
         let mut sum = 0.0;
         for (row, weight) in rows.into_iter().zip([0.125, 0.75, 0.125]) {
-            let at = |k: usize| luminance(self.data[row * self.width + columns[k]]);
+            let at = |k: usize| luminance(self.data[row * self.width + columns[k]].abs());
             sum += weight * (0.125 * at(0) + 0.75 * at(1) + 0.125 * at(2));
         }
         sum

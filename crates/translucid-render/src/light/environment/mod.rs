@@ -71,6 +71,6 @@ impl Environment {
 }
 
 /// The color with channels that are negative or not finite set to 0.
-pub(crate) fn finite_color(color: Vec3) -> Vec3 {
+fn finite_color(color: Vec3) -> Vec3 {
     Vec3::from_array(color.to_array().map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 }))
 }

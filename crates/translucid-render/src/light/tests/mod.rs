@@ -425,6 +425,16 @@ fn environment_map_shows_its_middle_along_minus_z_and_its_top_along_y() {
     assert!((turned.environment_radiance(Vec3::Y).x - 5.5).abs() < 1e-4);
 }
 
+/// Red light of a color beyond Rec. 709 is negative: its irradiance is π L, as of any constant sky.
+#[test]
+fn environment_map_keeps_negative_channels() {
+    let color = Vec3::new(-0.17, 0.88, 0.12);
+    let lights = light_set(Vec::new(), Vec::new(), Some(image_sky(8, 4, |_, _| color)));
+    assert!(lights.environment_radiance(Vec3::Y).abs_diff_eq(color, 1e-6));
+    let (mean, error) = irradiance(&lights, Vec3::ZERO, Vec3::X, Vec3::X, 40_000);
+    assert!((mean + 0.17 * f64::from(PI)).abs() < 4.0 * error, "{mean} ± {error}");
+}
+
 #[test]
 fn environment_map_can_be_sampled_wherever_it_shines() {
     let sky = image_sky(16, 8, |x, y| if (x, y) == (0, 3) { RADIANCE } else { Vec3::ZERO });

@@ -1,0 +1,679 @@
+//! Time grows with a file's length, whatever list in it is long.
+//!
+//! Each list of each format is doubled until it takes a while or the file is large, and then may not take much more than
+//! twice as long as half of it.
+
+#![allow(clippy::needless_pass_by_value, reason = "texts that are made where they are passed")]
+
+use std::fmt::Write;
+use std::path::Path;
+
+use tempfile::TempDir;
+use translucid_load::{LoadOptions, load_scene};
+use translucid_testing::thread_cpu_seconds;
+
+/// Time at which a list is long enough \[s\].
+const A_WHILE: f64 = 0.05;
+
+/// Time from which on it is compared \[s\].
+const LEAST: f64 = 0.005;
+
+/// Lists that `earcut` takes the square of their length for, which a megabyte bounds.
+const SQUARE: [&str; 2] = ["obj polygon of a comb", "obj polygon of a spiral"];
+
+/// Factor of time for the double list; of n log n it is little more than 2, of n² it is 4.
+const MOST_GROWTH: f64 = 2.6;
+
+/// Bytes up to which lists are doubled.
+const LARGEST: usize = 1 << 20;
+
+/// Times that a comparison is tried: a busy machine only ever makes a load slower.
+const TRIES: usize = 6;
+
+/// Seconds that loading a megabyte may take, on a machine with others at work.
+const MOST_SECONDS: f64 = 8.0;
+
+/// A file with a list of a length, by its name and bytes.
+type List = fn(usize) -> (&'static str, Vec<u8>);
+
+/// CPU seconds of loading a file, or of refusing it.
+fn seconds(folder: &Path, list: &dyn Fn(usize) -> (&'static str, Vec<u8>), length: usize) -> f64 {
+    let (name, bytes) = list(length);
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let start = thread_cpu_seconds();
+    drop(load_scene(&path, &LoadOptions::default(), &mut Vec::new()));
+    thread_cpu_seconds() - start
+}
+
+/// The fault of a list, if it has one.
+fn fault(folder: &Path, name: &str, list: &dyn Fn(usize) -> (&'static str, Vec<u8>)) -> Option<String> {
+    let size = |length: usize| {
+        let bytes = list(length).1.len();
+        let beside = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+        let beside = beside.filter(|entry| entry.file_name().to_string_lossy().starts_with("list."));
+        bytes + beside.map(|entry| entry.metadata().unwrap().len() as usize).sum::<usize>()
+    };
+    let (mut length, mut before, mut faults) = (512, f64::INFINITY, Vec::new());
+    loop {
+        let mut time = seconds(folder, list, length);
+        // What memory takes grows in steps, so that one doubling proves nothing
+        for _ in 0..TRIES {
+            if before.max(LEAST) * MOST_GROWTH >= time {
+                break;
+            }
+            before = before.min(seconds(folder, list, length / 2));
+            time = time.min(seconds(folder, list, length));
+        }
+        if before.max(LEAST) * MOST_GROWTH < time {
+            faults.push(format!("{name}: {time:.3} s for {length}, {before:.3} s for half of it"));
+        } else {
+            faults.clear();
+        }
+        let bytes = size(length);
+        let of_megabyte = time * LARGEST as f64 / bytes as f64;
+        let is_known = SQUARE.contains(&name);
+        if faults.len() >= 2 && !is_known {
+            return faults.pop();
+        }
+        if (time > A_WHILE && (faults.is_empty() || is_known)) || 2 * bytes > LARGEST {
+            let is_long = of_megabyte > MOST_SECONDS;
+            return is_long
+                .then(|| format!("{name}: {of_megabyte:.1} s a megabyte, {time:.3} s for {length}"));
+        }
+        (before, length) = (time, 2 * length);
+    }
+}
+
+/// A text with a line for each number below a length.
+fn lines(length: usize, line: impl Fn(usize) -> String) -> String {
+    (0..length).fold(String::new(), |mut text, number| {
+        writeln!(text, "{}", line(number)).unwrap();
+        text
+    })
+}
+
+/// A list of JSON.
+fn list(length: usize, entry: impl Fn(usize) -> String) -> String {
+    (0..length).map(entry).collect::<Vec<_>>().join(",")
+}
+
+/// Pseudo-random numbers below a million.
+fn noise(number: usize) -> u64 {
+    (number as u64 ^ 0x55)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .rotate_left(29)
+        .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+        >> 40
+        & 0xfffff
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+fn obj(text: String) -> (&'static str, Vec<u8>) {
+    ("a.obj", text.into_bytes())
+}
+
+/// An OBJ with a polygon of these corners.
+fn polygon(vertices: String, corners: impl Iterator<Item = usize>) -> (&'static str, Vec<u8>) {
+    let mut text = vertices + "f";
+    corners.for_each(|corner| write!(text, " {corner}").unwrap());
+    obj(text + "\n")
+}
+
+/// Corners of a circle.
+fn circle(length: usize) -> String {
+    lines(length, |i| {
+        let (sin, cos) = (i as f64 * std::f64::consts::TAU / length as f64).sin_cos();
+        format!("v {cos:.5} {sin:.5} 0")
+    })
+}
+
+const OBJ: &[(&str, List)] = &[
+    ("obj triangles", |n| {
+        obj(format!(
+            "{}{}",
+            lines(n, |i| format!("v {i} {} 0", i % 7)),
+            lines(n - 2, |i| format!("f {} {} {}", i + 1, i + 2, i + 3))
+        ))
+    }),
+    ("obj unknown words", |n| obj(format!("{TRIANGLE}{}f 1 2 3\n", lines(n, |i| format!("word{i} 1 2"))))),
+    ("obj continued lines", |n| obj(format!("{TRIANGLE}f{} 1 2 3\n", lines(n, |_| " 1 2 3 \\".into())))),
+    ("obj unknown materials", |n| {
+        obj(format!("{TRIANGLE}f 1 2 3\n{}", lines(n, |i| format!("usemtl m{i}"))))
+    }),
+    ("obj unknown materials of faces", |n| {
+        obj(format!("{TRIANGLE}{}", lines(n, |i| format!("usemtl m{i}\nf 1 2 3"))))
+    }),
+    ("obj libraries", |n| obj(format!("{TRIANGLE}{}f 1 2 3\n", lines(n, |i| format!("mtllib no{i}.mtl"))))),
+    ("obj libraries of a line", |n| {
+        obj(format!("{TRIANGLE}mtllib {}\nf 1 2 3\n", lines(n, |i| format!("no{i}.mtl")).replace('\n', " ")))
+    }),
+    ("obj objects", |n| obj(format!("{TRIANGLE}{}", lines(n, |i| format!("o {i}\nf 1 2 3"))))),
+    ("obj groups", |n| obj(format!("{TRIANGLE}{}", lines(n, |i| format!("g {i}\nf 1 2 3"))))),
+    ("obj objects that are left out", |n| {
+        obj(format!("{TRIANGLE}f 1 2 3\n{}", lines(n, |i| format!("o {i}\nf 1 1 1"))))
+    }),
+    ("obj groups in turn", |n| obj(format!("{TRIANGLE}{}", lines(n, |i| format!("g {}\nf 1 2 3", i % 2))))),
+    ("obj smoothing groups", |n| obj(format!("{TRIANGLE}{}", lines(n, |i| format!("s {i}\nf 1 2 3"))))),
+    ("obj short faces", |n| obj(format!("{TRIANGLE}f 1 2 3\n{}", lines(n, |_| "f 1 2".into())))),
+    ("obj coordinates of a corner", |n| {
+        obj(format!(
+            "{TRIANGLE}{}{}",
+            lines(n, |_| "vt 0 0".into()),
+            lines(n, |i| format!("f 1/{} 2 3", i + 1))
+        ))
+    }),
+    ("obj fan", |n| {
+        obj(format!("v 0 0 1\n{}{}", circle(n), lines(n - 1, |i| format!("f 1 {} {}", i + 2, i + 3))))
+    }),
+    ("obj fan of creases", |n| {
+        obj(format!("v 0 0 1\n{}s off\n{}", circle(n), lines(n - 1, |i| format!("f 1 {} {}", i + 2, i + 3))))
+    }),
+    ("obj faces of an edge", |n| {
+        obj(format!("v 0 0 0\nv 0 0 1\n{}{}", circle(n), lines(n, |i| format!("f 1 2 {}", i + 3))))
+    }),
+    ("obj closed bodies", |n| {
+        obj(lines(n, |i| {
+            format!(
+                "v {i} 0 0\nv {i}.5 0 0\nv {i} 1 0\nv {i} 0 1\nf -4 -3 -2\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1"
+            )
+        }))
+    }),
+    ("obj polygon of three", |n| polygon(TRIANGLE.into(), (0..n).map(|i| i % 3 + 1))),
+    ("obj polygon of three and one", |n| {
+        polygon(format!("{TRIANGLE}v .2 .2 0\n"), (0..n).map(|i| i % 3 + 1).chain([4]))
+    }),
+    ("obj polygon of a circle", |n| polygon(circle(n), 1..=n)),
+    ("obj polygon of a circle twice", |n| polygon(circle(n), (1..=n).chain(1..=n))),
+    ("obj polygon to and fro", |n| polygon(circle(n), (1..=n).chain((1..n).rev()))),
+    ("obj polygon of noise", |n| polygon(lines(n, |i| format!("v {} {} 0", noise(i), noise(i + n))), 1..=n)),
+    ("obj polygon of noise in space", |n| {
+        polygon(lines(n, |i| format!("v {} {} {}", noise(i), noise(i + n), noise(i + 2 * n))), 1..=n)
+    }),
+    ("obj polygon of a star", |n| polygon(circle(n | 1), (0..n | 1).map(|i| i * (n / 2) % (n | 1) + 1))),
+    ("obj polygon of a comb", |n| {
+        polygon(
+            lines(n, |i| format!("v {} {} 0", i, if i % 2 == 0 { 0 } else { 100 }))
+                + &format!("v {n} -1 0\nv 0 -1 0\n"),
+            1..=n + 2,
+        )
+    }),
+    ("obj polygon of a spiral", |n| {
+        polygon(
+            lines(n, |i| {
+                let (turn, radius) = (
+                    (i.min(n - 1 - i)) as f64 * 0.3,
+                    (i.min(n - 1 - i) as f64) + if 2 * i < n { 0.0 } else { 5.0 },
+                );
+                format!("v {:.2} {:.2} 0", radius * turn.cos(), radius * turn.sin())
+            }),
+            1..=n,
+        )
+    }),
+    ("obj polygon of stairs", |n| {
+        polygon(lines(n, |i| format!("v {} {} 0", i / 2, i.div_ceil(2))) + "v 0 9999999 0\n", 1..=n + 1)
+    }),
+    ("obj polygons of noise", |n| {
+        obj(format!(
+            "{}{}",
+            lines(99, |i| format!("v {} {} 0", noise(i), noise(i + 99))),
+            lines(n / 64, |i| {
+                format!(
+                    "f {}",
+                    lines(64, |j| format!("{}", (i * 7 + j * (i % 13 + 1)) % 99 + 1)).replace('\n', " ")
+                )
+            })
+        ))
+    }),
+];
+
+/// An MTL with these lines, and a face of its first material: both files are in one folder.
+fn mtl(folder: &Path, text: String) -> (&'static str, Vec<u8>) {
+    std::fs::write(folder.join("list.mtl"), text).unwrap();
+    obj(format!("mtllib list.mtl\n{TRIANGLE}usemtl m0\nf 1 2 3\n"))
+}
+
+fn ply(vertices: usize, elements: String, data: String) -> (&'static str, Vec<u8>) {
+    let text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n{elements}end_header\n{data}"
+    );
+    ("a.ply", text.into_bytes())
+}
+
+const FACE: &str = "property list uchar int vertex_indices\n";
+
+const PLY: &[(&str, List)] = &[
+    ("ply elements", |n| {
+        ply(
+            3,
+            format!("element face 1\n{FACE}{}", lines(n, |i| format!("element e{i} 0"))),
+            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
+        )
+    }),
+    ("ply elements of no properties", |n| {
+        ply(
+            3,
+            format!("element face 1\n{FACE}{}", lines(n, |i| format!("element e{i} 9"))),
+            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
+        )
+    }),
+    ("ply comments", |n| {
+        ply(
+            3,
+            format!("element face 1\n{FACE}{}", lines(n, |i| format!("comment {i}"))),
+            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
+        )
+    }),
+    ("ply properties", |n| {
+        ply(
+            3,
+            format!("{}element face 1\n{FACE}", lines(n, |i| format!("property uchar p{i}"))),
+            format!("{}3 0 1 2\n", format!("0 1 0{}\n", " 1".repeat(n)).repeat(3)),
+        )
+    }),
+    ("ply fan", |n| {
+        ply(
+            n + 1,
+            format!("element face {}\n{FACE}", n - 1),
+            format!(
+                "0 0 1\n{}{}",
+                circle(n).replace("v ", ""),
+                lines(n - 1, |i| format!("3 0 {} {}", i + 1, i + 2))
+            ),
+        )
+    }),
+    ("ply polygon", |n| {
+        ply(
+            3,
+            "element face 1\nproperty list int int vertex_indices\n".into(),
+            format!("0 0 0\n1 0 0\n0 1 0\n{n}{}\n", " 0 1 2".repeat(n / 3) + &" 0".repeat(n % 3)),
+        )
+    }),
+    ("ply strip", |n| {
+        ply(
+            3,
+            "element tristrips 1\nproperty list int int vertex_indices\n".into(),
+            format!("0 0 0\n1 0 0\n0 1 0\n{n}{}\n", " 0 1 2".repeat(n / 3) + &" 0".repeat(n % 3)),
+        )
+    }),
+    ("ply coordinates of corners", |n| {
+        ply(
+            3,
+            format!("element face {n}\n{FACE}property list uchar float texcoord\n"),
+            format!("0 0 0\n1 0 0\n0 1 0\n{}", lines(n, |i| format!("3 0 1 2 6 {i} 0 0 0 0 0"))),
+        )
+    }),
+    ("ply colors of faces", |n| {
+        ply(
+            3,
+            format!(
+                "element face {n}\n{FACE}property float red\nproperty float green\nproperty float blue\n"
+            ),
+            format!("0 0 0\n1 0 0\n0 1 0\n{}", lines(n, |i| format!("3 0 1 2 {i} 0 0"))),
+        )
+    }),
+];
+
+const STL: &[(&str, List)] = &[
+    ("stl fan", |n| {
+        (
+            "a.stl",
+            ("solid\n".to_owned()
+                + &lines(n, |i| {
+                    let corner = |i: usize| {
+                        let (sin, cos) = (i as f64 / n as f64 * 6.0).sin_cos();
+                        format!("vertex {cos:.5} {sin:.5} {}", i % 2)
+                    };
+                    format!("facet\nouter loop\nvertex 0 0 1\n{}\n{}\nendloop", corner(i), corner(i + 1))
+                }))
+                .into_bytes(),
+        )
+    }),
+    ("stl colors", |n| {
+        ("a.stl", {
+            let mut bytes = vec![b' '; 80];
+            bytes.extend((n as u32).to_le_bytes());
+            for i in 0..n as u16 {
+                bytes.extend([0; 12]);
+                bytes.extend(
+                    [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0_f32, f32::from(i)]
+                        .into_iter()
+                        .flat_map(f32::to_le_bytes),
+                );
+                bytes.extend((i | 0x8000).to_le_bytes());
+            }
+            bytes
+        })
+    }),
+    ("stl solids", |n| {
+        ("a.stl", lines(n, |i| format!("solid {i}\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendsolid")).into_bytes())
+    }),
+];
+
+/// A glTF of a triangle, with other lists.
+fn gltf(rest: String) -> (&'static str, Vec<u8>) {
+    // Positions (0 0 0) (1 0 0) (0 1 0)
+    const DATA: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let text = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,{DATA}\"}}],\
+         \"bufferViews\":[{{\"buffer\":0,\"byteLength\":36}}],\
+         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}],{rest}}}"
+    );
+    ("a.gltf", text.into_bytes())
+}
+
+const PRIMITIVE: &str = "{\"attributes\":{\"POSITION\":0}}";
+
+const GLTF: &[(&str, List)] = &[
+    ("gltf nodes", |n| {
+        gltf(format!(
+            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{}]",
+            list(n, |_| "{\"mesh\":0}".into())
+        ))
+    }),
+    ("gltf chain of nodes", |n| {
+        gltf(format!(
+            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{},{{\"mesh\":0}}]",
+            list(n, |i| format!("{{\"children\":[{}]}}", i + 1))
+        ))
+    }),
+    ("gltf children", |n| {
+        gltf(format!(
+            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"children\":[{}]}},{}]",
+            list(n, |i| format!("{}", i + 1)),
+            list(n, |_| "{\"mesh\":0}".into())
+        ))
+    }),
+    ("gltf meshes", |n| {
+        gltf(format!(
+            "\"meshes\":[{}],\"nodes\":[{}]",
+            list(n, |_| format!("{{\"primitives\":[{PRIMITIVE}]}}")),
+            list(n, |i| format!("{{\"mesh\":{i}}}"))
+        ))
+    }),
+    ("gltf primitives", |n| {
+        gltf(format!(
+            "\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |_| PRIMITIVE.into())
+        ))
+    }),
+    ("gltf materials", |n| {
+        gltf(format!(
+            "\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("{{\"name\":\"{i}\"}}")),
+            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
+        ))
+    }),
+    ("gltf extensions of materials", |n| {
+        gltf(format!(
+            "\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("{{\"extensions\":{{\"KHR_materials_e{i}\":{{}}}}}}")),
+            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
+        ))
+    }),
+    ("gltf extensions required", |n| {
+        gltf(format!(
+            "\"extensionsRequired\":[{}],\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("\"E{i}\""))
+        ))
+    }),
+    ("gltf missing pictures", |n| {
+        gltf(format!(
+            "\"images\":[{}],\"textures\":[{}],\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("{{\"uri\":\"no{i}.png\"}}")),
+            list(n, |i| format!("{{\"source\":{i}}}")),
+            list(n, |i| format!("{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":{i}}}}}}}")),
+            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
+        ))
+    }),
+    ("gltf cameras and lights", |n| {
+        gltf(format!(
+            "\"extensions\":{{\"KHR_lights_punctual\":{{\"lights\":[{}]}}}},\"cameras\":[{}],\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"mesh\":0}},{}]",
+            list(n, |_| "{\"type\":\"point\"}".into()),
+            list(n, |_| "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}".into()),
+            list(n, |i| format!(
+                "{{\"camera\":{i},\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":{i}}}}}}}"
+            ))
+        ))
+    }),
+    ("gltf missing buffers", |n| {
+        gltf(format!(
+            "\"x\":[{}],\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("{i}"))
+        ))
+    }),
+    ("gltf attributes", |n| {
+        gltf(format!(
+            "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,{}}}}}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |i| format!("\"_A{i}\":0"))
+        ))
+    }),
+];
+
+fn toml(text: String) -> (&'static str, Vec<u8>) {
+    ("a.toml", format!("unit = \"mm\"\n{text}").into_bytes())
+}
+
+const BALL: &str = "[[object]]\nshape = \"box\"\n";
+
+const TOML: &[(&str, List)] = &[
+    ("toml objects", |n| toml(BALL.repeat(n))),
+    ("toml objects of names", |n| {
+        toml(lines(n, |i| format!("[[object]]\nshape = \"box\"\nname = \"{i}\"\nsubsurface_group = \"{i}\"")))
+    }),
+    ("toml materials", |n| toml(BALL.to_owned() + &lines(n, |i| format!("[[material]]\nname = \"{i}\"")))),
+    ("toml materials of objects", |n| {
+        toml(lines(n, |i| {
+            format!("[[material]]\nname = \"{i}\"\n[[object]]\nshape = \"box\"\nmaterial = \"{i}\"")
+        }))
+    }),
+    ("toml lights", |n| {
+        toml(
+            BALL.to_owned()
+                + &lines(n, |_| {
+                    "[[light]]\ntype = \"distant\"\ndirection = [0, -1, 0]\nirradiance = 1".into()
+                }),
+        )
+    }),
+    ("toml cameras", |n| {
+        toml(
+            BALL.to_owned()
+                + &lines(n, |i| {
+                    format!("[[camera]]\nname = \"{i}\"\nposition = [0, 0, 9]\ntarget = [0, 0, 0]")
+                }),
+        )
+    }),
+    ("toml transforms", |n| {
+        toml(format!("{BALL}transforms = [{}]\n", list(n, |i| format!("{{ translate = [{i}, 0, 0] }}"))))
+    }),
+    ("toml unknown keys", |n| toml(BALL.to_owned() + &lines(n, |i| format!("key{i} = 1")))),
+    ("toml missing pictures", |n| {
+        toml(
+            BALL.to_owned()
+                + &lines(n, |i| format!("[[material]]\nname = \"{i}\"\nbase_color = \"no{i}.png\"")),
+        )
+    }),
+    ("toml nested arrays", |n| toml(format!("{BALL}scale = {}1{}\n", "[".repeat(n), "]".repeat(n)))),
+];
+
+/// A list in a file beside the one that is loaded, in this folder.
+type ListBeside = fn(&Path, usize) -> (&'static str, Vec<u8>);
+
+const BESIDE: &[(&str, ListBeside)] = &[
+    ("mtl materials", |folder, n| mtl(folder, lines(n, |i| format!("newmtl m{i}")))),
+    ("mtl materials of one name", |folder, n| mtl(folder, lines(n, |_| "newmtl m0".into()))),
+    ("mtl values out of range", |folder, n| {
+        mtl(folder, format!("newmtl m0\n{}", lines(n, |i| format!("Kd {} 0 0", i + 2))))
+    }),
+    ("mtl unknown maps", |folder, n| {
+        mtl(folder, format!("newmtl m0\n{}", lines(n, |i| format!("map_x{i} a.png"))))
+    }),
+    ("mtl missing pictures", |folder, n| {
+        mtl(folder, format!("newmtl m0\n{}", lines(n, |i| format!("map_Kd no{i}.png"))))
+    }),
+    ("mtl options of a map", |folder, n| {
+        mtl(folder, format!("newmtl m0\nmap_Kd{} no.png\n", " -o 1 2 3".repeat(n)))
+    }),
+    ("mtl transparent materials", |folder, n| mtl(folder, lines(n, |i| format!("newmtl m{i}\nTr 1")))),
+    ("csv rows", |folder, n| {
+        std::fs::write(
+            folder.join("list.csv"),
+            format!("r,reflectance\n{}", lines(n, |i| format!("{i},{}", 1.0 / (i + 1) as f64))),
+        )
+        .unwrap();
+        toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nsubsurface_table = \"list.csv\"\n"))
+    }),
+    ("csv columns", |folder, n| {
+        std::fs::write(
+            folder.join("list.csv"),
+            format!(
+                "r,reflectance{}\n0,1{}\n1,.5{}\n",
+                (0..n).map(|i| format!(",c{i}")).collect::<String>(),
+                ",1".repeat(n),
+                ",1".repeat(n)
+            ),
+        )
+        .unwrap();
+        toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nsubsurface_table = \"list.csv\"\n"))
+    }),
+    ("mtlx nodes", |folder, n| {
+        mtlx(
+            folder,
+            lines(n, |i| {
+                format!(
+                    "<constant name=\"n{i}\" type=\"color3\"><input name=\"value\" type=\"color3\" value=\"1,1,1\"/></constant>"
+                )
+            }),
+            "",
+        )
+    }),
+    ("mtlx chain of nodes", |folder, n| {
+        mtlx(
+            folder,
+            lines(n, |i| {
+                format!(
+                    "<multiply name=\"n{i}\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"n{}\"/><input name=\"in2\" type=\"color3\" value=\"1,1,1\"/></multiply>",
+                    i + 1
+                )
+            }),
+            "<input name=\"base_color\" type=\"color3\" nodename=\"n0\"/>",
+        )
+    }),
+    ("mtlx tree of nodes", |folder, n| {
+        mtlx(
+            folder,
+            lines(n, |i| {
+                format!(
+                    "<multiply name=\"n{i}\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"n{0}\"/><input name=\"in2\" type=\"color3\" nodename=\"n{0}\"/></multiply>",
+                    i + 1
+                )
+            }),
+            "<input name=\"base_color\" type=\"color3\" nodename=\"n0\"/>",
+        )
+    }),
+    ("mtlx inputs", |folder, n| {
+        mtlx(
+            folder,
+            String::new(),
+            &lines(n, |i| format!("<input name=\"i{i}\" type=\"float\" value=\"1\"/>")),
+        )
+    }),
+    ("mtlx materials", |folder, n| {
+        mtlx(
+            folder,
+            lines(n, |i| {
+                format!(
+                    "<surfacematerial name=\"m{i}\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/></surfacematerial>"
+                )
+            }),
+            "",
+        )
+    }),
+    ("mtlx shaders", |folder, n| {
+        mtlx(folder, lines(n, |i| format!("<open_pbr_surface name=\"s{i}\" type=\"surfaceshader\"/>")), "")
+    }),
+    ("mtlx graphs", |folder, n| {
+        mtlx(
+            folder,
+            lines(n, |i| {
+                format!(
+                    "<nodegraph name=\"g{i}\"><output name=\"o\" type=\"color3\" nodename=\"n\"/></nodegraph>"
+                )
+            }),
+            "<input name=\"base_color\" type=\"color3\" nodegraph=\"g0\" output=\"o\"/>",
+        )
+    }),
+    ("png chunks", |folder, n| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        for i in 0..n {
+            encoder.add_text_chunk(format!("k{i}"), "v".into()).unwrap();
+        }
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&[9])).unwrap();
+        std::fs::write(folder.join("list.png"), bytes).unwrap();
+        picture("list.png")
+    }),
+    ("hdr lines", |folder, n| {
+        std::fs::write(
+            folder.join("list.hdr"),
+            format!(
+                "#?RADIANCE\n{}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\u{1}\u{1}\u{1}\u{1}",
+                lines(n, |i| format!("K{i}=1"))
+            ),
+        )
+        .unwrap();
+        picture("list.hdr")
+    }),
+];
+
+/// A document with a shader of these inputs.
+fn mtlx(folder: &Path, nodes: String, inputs: &str) -> (&'static str, Vec<u8>) {
+    let text = format!(
+        "<materialx version=\"1.39\">\n<open_pbr_surface name=\"S\" type=\"surfaceshader\">{inputs}</open_pbr_surface>\n{nodes}</materialx>\n"
+    );
+    std::fs::write(folder.join("list.mtlx"), text).unwrap();
+    toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nmaterialx = \"list.mtlx\"\n"))
+}
+
+fn picture(name: &'static str) -> (&'static str, Vec<u8>) {
+    toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nbase_color = \"{name}\"\n"))
+}
+
+fn check(lists: &[(&str, List)]) {
+    check_beside(lists, |list, _, length| list(length));
+}
+
+/// Fails if a list of a kind takes long.
+fn check_beside<L: Copy>(lists: &[(&str, L)], file: impl Fn(L, &Path, usize) -> (&'static str, Vec<u8>)) {
+    let folder = TempDir::new().unwrap();
+    let of_list = |&(name, list): &(&str, L)| fault(folder.path(), name, &|n| file(list, folder.path(), n));
+    let faults: Vec<String> = lists.iter().filter_map(of_list).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn obj_lists() {
+    check(OBJ);
+}
+
+#[test]
+fn ply_and_stl_lists() {
+    check(PLY);
+    check(STL);
+}
+
+#[test]
+fn gltf_lists() {
+    check(GLTF);
+}
+
+#[test]
+fn toml_lists() {
+    check(TOML);
+}
+
+#[test]
+fn lists_in_files_beside() {
+    check_beside(BESIDE, |list, folder, length| list(folder, length));
+}
