@@ -24,6 +24,7 @@ mod load_scene;
 mod loading;
 mod materialx;
 mod mesh_file;
+mod metal;
 mod model;
 mod mtl;
 mod number;

@@ -40,13 +40,14 @@ fn normalization(component: NumberType) -> f64 {
     }
 }
 
-/// Number of components of an element, for the shapes of vertex attributes.
+/// Number of components of an element, for the shapes of vertex attributes and of transforms.
 fn components(shape: &str) -> Option<usize> {
     match shape {
         "SCALAR" => Some(1),
         "VEC2" => Some(2),
         "VEC3" => Some(3),
         "VEC4" => Some(4),
+        "MAT4" => Some(16),
         _ => None,
     }
 }

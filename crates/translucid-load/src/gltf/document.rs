@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::{Map, Value};
 use translucid_scene::{Place, SceneError};
 
@@ -103,6 +103,8 @@ pub(super) struct BufferView {
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
     pub(super) byte_stride: Option<usize>,
+    #[serde(default)]
+    pub(super) extensions: Extensions,
 }
 
 #[derive(Deserialize)]
@@ -185,6 +187,8 @@ pub(super) struct Mesh {
     pub(super) name: Option<String>,
     #[serde(default)]
     pub(super) primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub(super) weights: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -195,7 +199,7 @@ pub(super) struct Primitive {
     pub(super) material: Option<usize>,
     pub(super) mode: Option<u32>,
     #[serde(default)]
-    pub(super) targets: Vec<Value>,
+    pub(super) targets: Vec<Attributes>,
     #[serde(default)]
     pub(super) extensions: Extensions,
 }
@@ -208,6 +212,8 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
     pub(super) skin: Option<usize>,
+    /// Those of the mesh's morph targets, in place of its own.
+    pub(super) weights: Option<Vec<f64>>,
     pub(super) matrix: Option<[f64; 16]>,
     #[serde(default)]
     pub(super) translation: [f64; 3],
@@ -248,9 +254,13 @@ pub(super) struct Scene {
     pub(super) nodes: Vec<usize>,
 }
 
-/// Skins are not applied; that one exists is all that is asked.
 #[derive(Deserialize)]
-pub(super) struct Skin {}
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) inverse_bind_matrices: Option<usize>,
+    /// The nodes that move the skin.
+    pub(super) joints: Vec<usize>,
+}
 
 #[derive(Deserialize)]
 pub(super) struct Texture {
@@ -286,6 +296,10 @@ impl<T: Element> Elements<T> {
         &self.items
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
     /// Name of an element in messages: its kind, index and name.
     pub(super) fn label(&self, index: usize) -> String {
         label(T::KIND, index, self.names.get(index).and_then(Option::as_deref))
@@ -317,6 +331,8 @@ pub(super) struct Document {
     /// Index of the default scene.
     pub(super) scene: Option<usize>,
     pub(super) extensions_required: Vec<String>,
+    /// Number of animations.
+    pub(super) animations: usize,
 }
 
 impl Document {
@@ -346,6 +362,7 @@ impl Document {
             textures: elements(&mut root, path)?,
             scene: field(&mut root, "scene", path)?,
             extensions_required: field(&mut root, "extensionsRequired", path)?.unwrap_or_default(),
+            animations: field::<Vec<IgnoredAny>>(&mut root, "animations", path)?.map_or(0, |all| all.len()),
         })
     }
 }

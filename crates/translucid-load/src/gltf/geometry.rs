@@ -163,9 +163,6 @@ impl Arrays<'_> {
             mesh.colors =
                 self.attribute(accessor, "COLOR_0", part, |[r, g, b, _]: [f32; 4]| Vec3::new(r, g, b))?;
         }
-        if !primitive.targets.is_empty() {
-            self.notes.warn(part, "morph targets are left out: the mesh stays in its rest pose");
-        }
         Ok(())
     }
 }

@@ -7,7 +7,7 @@
 //! | normalTexture, scale | `geometry_normal` |
 //! | emissive × KHR_materials_emissive_strength | `emission_color` × `emission_luminance` |
 //! | KHR_materials_unlit | `emission_color` = baseColor, no reflection |
-//! | KHR_materials_ior, _specular | `specular_ior`, `specular_weight` (alpha), `specular_color` |
+//! | KHR_materials_ior, _specular | `specular_ior`; of what is no metal `specular_weight` (alpha), `specular_color` |
 //! | KHR_materials_clearcoat | `coat_weight` (red), `coat_roughness` (green), `coat_ior` 1.5 |
 //! | KHR_materials_transmission, _volume | `transmission_*`, see [`super::media`] |
 //! | KHR_materials_volume_scatter, _scatter, _diffuse_transmission | `subsurface_*`, see [`super::media`] |
@@ -28,7 +28,7 @@ use super::textures::{ImageShelf, Use};
 use super::uri::clip;
 
 /// Extensions that are read; the others get a warning.
-const READ: [&str; 10] = [
+pub(super) const READ: [&str; 10] = [
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
@@ -174,6 +174,9 @@ impl MaterialReader<'_> {
         self.read_specular(&mut material)?;
         self.read_coat(&mut material)?;
         self.read_media(&mut material)?;
+        if let Some(change) = crate::metal::reflect_fully(&mut material) {
+            self.warn(change);
+        }
         self.read_unlit(&mut material);
         material.clamp().iter().for_each(|change| self.warn(change));
         Ok(material)

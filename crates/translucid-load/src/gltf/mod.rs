@@ -3,12 +3,13 @@
 //! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
 //! input can make it panic or allocate more than the file's own size justifies.
 //!
-//! **Read**: external, embedded and GLB buffers; all index types, strides, normalized and sparse
+//! **Read**: external, embedded and GLB buffers, compressed by EXT_meshopt_compression or not; all index types, strides, normalized and sparse
 //! accessors; lists, strips and fans; KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and
-//! TRS; the materials of [`materials`]; KHR_texture_transform; KHR_lights_punctual; perspective cameras.
+//! TRS; skins and morph targets in the pose that the file has; KHR_node_visibility; the materials of
+//! [`materials`]; KHR_texture_transform; KHR_lights_punctual; cameras.
 //!
-//! **Left out, with a warning**: points, lines, morph targets, skins, animations' poses, orthographic
-//! cameras, second texture coordinates. **Refused**: compressed geometry.
+//! **Left out, with a warning**: points, lines, animations, second texture coordinates.
+//! **Refused**: extensions that a file requires and that are not read.
 
 mod accessor;
 mod buffers;
@@ -18,8 +19,10 @@ mod geometry;
 mod lights;
 mod materials;
 mod media;
+mod meshopt;
 mod nodes;
 mod notes;
+mod pose;
 mod textures;
 mod uri;
 
@@ -27,7 +30,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
-use translucid_scene::{Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
+use translucid_scene::{Mesh, Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
@@ -36,6 +39,7 @@ use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
+use self::pose::Joints;
 use super::MeshFile;
 use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
@@ -97,6 +101,11 @@ fn read(
     let origin = anchor(&placed, &arrays);
     placed.iter_mut().for_each(|node| node.world_from_local.translation -= origin);
     let uses = uses_of_primitives(&uses_of_meshes(&placed, &arrays), &arrays);
+    let joints = pose::joints(&placed, &arrays);
+    placed.retain(|node| node.is_in_scene);
+    if document.animations > 0 {
+        notes.warn("animations", "they are left out: the pose is that of the nodes and their weights");
+    }
     let mut assembly = Assembly {
         arrays: &arrays,
         units,
@@ -104,8 +113,11 @@ fn read(
         budget: MOST,
         uses,
         shared: HashMap::new(),
+        joints,
+        skins: HashMap::new(),
         warnings: loading.warnings,
         unusable: None,
+        hidden: 0,
         next_group: 0,
         turned: 0,
         scene: MeshFile { origin, ..MeshFile::default() },
@@ -117,31 +129,56 @@ fn read(
     assembly.finish()
 }
 
-/// Compressed geometry is refused; other unknown required extensions get a warning.
+/// Refuses a file that requires an extension that is not read; the help is a command that does without it, if there is one.
 fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
-    const COMPRESSION: [&str; 3] =
-        ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
-    const KNOWN: [&str; 4] =
-        ["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
-    for name in &document.extensions_required {
-        if COMPRESSION.contains(&name.as_str()) {
-            let error =
-                notes.error("extensionsRequired", format!("the file needs {name}, which is not read"));
-            return Err(error.with_help("export it without mesh compression"));
+    const READ: [&str; 6] = [
+        "EXT_mesh_gpu_instancing",
+        "EXT_texture_webp",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_node_visibility",
+        "KHR_texture_transform",
+    ];
+    /// Extensions that change nothing of what a file shows at first.
+    const OF_NO_EFFECT: [&str; 7] = [
+        "KHR_animation_pointer",
+        "KHR_interactivity",
+        "KHR_materials_variants",
+        "KHR_node_hoverability",
+        "KHR_node_selectability",
+        "KHR_xmp",
+        "KHR_xmp_json_ld",
+    ];
+    let known = READ.iter().chain(&OF_NO_EFFECT).chain(&buffers::MESHOPT).chain(&materials::READ);
+    let Some(name) =
+        document.extensions_required.iter().find(|name| !known.clone().any(|known| known == *name))
+    else {
+        return Ok(());
+    };
+    let help = match name.as_str() {
+        "KHR_draco_mesh_compression" => "gltf-transform copy IN.glb OUT.glb takes the compression out",
+        "KHR_texture_basisu" => {
+            "gltf-transform ktxdecompress IN.glb OUT.glb makes PNG images of its textures, by KTX-Software"
         }
-        // Those of materials are reported where a material has them.
-        if !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_") {
-            let name = uri::clip(name);
-            notes.warn("extensionsRequired", format!("{name} is not known: what it adds is left out"));
+        "EXT_texture_avif" => {
+            "gltf-transform png IN.glb OUT.glb --formats '*' makes PNG images of its textures"
         }
-    }
-    Ok(())
+        "KHR_materials_pbrSpecularGlossiness" => {
+            "gltf-transform metalrough IN.glb OUT.glb makes the materials ones that are read"
+        }
+        _ => {
+            "without its name in extensionsRequired the file is read, and what the extension adds is left out"
+        }
+    };
+    let error =
+        notes.error("extensionsRequired", format!("the file needs {}, which is not read", uri::clip(name)));
+    Err(error.with_help(help))
 }
 
 /// How often each mesh is used; what cannot be counted is refused when it is read.
 fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, usize> {
     let mut uses = HashMap::new();
-    for placed in placed {
+    for placed in placed.iter().filter(|placed| placed.is_visible) {
         let part = arrays.document.nodes.label(placed.index);
         let Ok(node) = arrays.document.nodes.get(placed.index, &part, arrays.notes.path) else { continue };
         if let Some(mesh) = node.mesh {
@@ -155,13 +192,18 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
 /// A point near the first position of the first mesh.
 fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
     let Arrays { document, notes, .. } = arrays;
-    let first = placed.iter().find_map(|placed| {
-        let node = document.nodes.get(placed.index, "", notes.path).ok()?;
+    let first = placed.iter().filter(|placed| placed.is_visible).find_map(|of_mesh| {
+        let node = document.nodes.get(of_mesh.index, "", notes.path).ok()?;
+        if let Some(skin) = node.skin.filter(|_| node.mesh.is_some()) {
+            let joint = *document.skins.get(skin, "", notes.path).ok()?.joints.first()?;
+            return Some(placed.iter().find(|other| other.index == joint)?.world_from_local.translation);
+        }
         let mesh = document.meshes.get(node.mesh?, "", notes.path).ok()?;
         let accessor = *mesh.primitives.first()?.attributes.get("POSITION")?;
         // What is wrong with it is told of when the mesh is read
         let position = *arrays.numbers::<3>(accessor, "").ok()?.first()?;
-        Some(placed.world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
+        let world_from_local = *nodes::instances(node, of_mesh, "", arrays).ok()?.first()?;
+        Some(world_from_local.transform_point3(DVec3::from_array(position.map(f64::from))))
     });
     first.map_or(DVec3::ZERO, |first| Anchor::at(first).position())
 }
@@ -172,6 +214,22 @@ type Signature<'a> = (&'a document::Attributes, Option<usize>, Option<u32>, Opti
 fn signature(primitive: &Primitive) -> Signature<'_> {
     let own = (!primitive.targets.is_empty()).then(|| std::ptr::from_ref(primitive).addr());
     (&primitive.attributes, primitive.indices, primitive.mode, own)
+}
+
+/// A primitive of a mesh where a node has it.
+struct MeshUse<'a, 'u> {
+    mesh: &'a document::Mesh,
+    primitive: &'a Primitive,
+    node: &'u Node,
+    world_from_local: Affine3A,
+    name: &'u str,
+}
+
+impl MeshUse<'_, '_> {
+    /// Whether the node has a pose of its own, by which the mesh becomes another one.
+    fn is_posed(&self) -> bool {
+        self.node.skin.is_some() || self.node.weights.is_some()
+    }
 }
 
 /// For each primitive whether an earlier one of the mesh is the same triangles again.
@@ -214,9 +272,14 @@ struct Assembly<'a> {
     uses: HashMap<Signature<'a>, usize>,
     /// Primitives that their uses share, by the texture coordinates of their materials.
     shared: HashMap<(Signature<'a>, Option<usize>), SharedMesh>,
+    joints: Joints,
+    /// Maps of the joints of the skins that are used.
+    skins: HashMap<usize, Vec<DAffine3>>,
     warnings: &'a mut Vec<Warning>,
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
+    /// Number of meshes that are not visible.
+    hidden: usize,
     next_group: u32,
     /// Triangles that wound the other way than the rest of their body.
     turned: usize,
@@ -228,11 +291,15 @@ impl<'a> Assembly<'a> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let part = document.nodes.label(placed.index);
         let node = document.nodes.get(placed.index, &part, notes.path)?;
-        if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh, node, placed, &part)?;
-        }
         if let Some(camera) = node.camera {
             self.add_camera(camera, placed, &part)?;
+        }
+        if !placed.is_visible {
+            self.hidden += usize::from(node.mesh.is_some());
+            return Ok(());
+        }
+        if let Some(mesh) = node.mesh {
+            self.add_mesh(mesh, node, placed, &part)?;
         }
         let light = lights::light(node, &placed.world_from_local, self.units, &part, document, notes)?;
         self.scene.lights.extend(light);
@@ -249,32 +316,35 @@ impl<'a> Assembly<'a> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let mesh = document.meshes.get(index, part, notes.path)?;
         let label = document.meshes.label(index);
-        if let Some(skin) = node.skin {
-            document.skins.get(skin, part, notes.path)?;
-            notes.warn(part, "a skin is left out: the mesh stays in its rest pose");
-        }
         if mesh.primitives.is_empty() {
             notes.warn(&label, "a mesh without primitives is left out");
         }
         let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
+        if let Some(skin) = node.skin
+            && !self.skins.contains_key(&skin)
+        {
+            self.skins.insert(skin, self.arrays.joint_maps(skin, &self.joints, part)?);
+        }
         let repeated = repeated_primitives(&mesh.primitives);
         if repeated.contains(&true) {
             notes.warn(&label, "primitives that repeat another one are left out");
         }
-        for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
+        for world_from_local in self.places(node, placed, part)? {
             let first = self.scene.objects.len();
             for (number, primitive) in
                 mesh.primitives.iter().enumerate().filter(|&(number, _)| !repeated[number])
             {
                 let place = format!("{label} primitive {number} of {part}");
                 let world_from_local = world_from_local.as_affine3a();
+                let of_mesh = MeshUse { mesh, primitive, node, world_from_local, name };
                 let material = self.materials.get(primitive.material, &place, self.units, self.arrays)?;
                 let shared = self.shared.get(&(signature(primitive), material.uv_set));
+                let shared = shared.filter(|_| !of_mesh.is_posed());
                 match shared.and_then(|mesh| mesh.placed(&world_from_local)) {
                     Some(object) => {
                         self.push(Object { name: name.clone(), material: material.index, ..object }, &place)?;
                     }
-                    None => self.add_primitive(primitive, &world_from_local, name, &place)?,
+                    None => self.add_primitive(&of_mesh, &place)?,
                 }
             }
             if self.scene.objects[first..].iter().all(|object| !object.is_placed()) {
@@ -285,13 +355,20 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    fn add_primitive(
-        &mut self,
-        primitive: &'a Primitive,
-        world_from_local: &Affine3A,
-        name: &str,
-        part: &str,
-    ) -> Result<(), SceneError> {
+    /// Where a node has its mesh. A skin's joints are in one place.
+    fn places(&self, node: &Node, placed: &PlacedNode, part: &str) -> Result<Vec<DAffine3>, SceneError> {
+        let places = nodes::instances(node, placed, part, self.arrays)?;
+        if node.skin.is_some() && places.len() != 1 {
+            self.arrays
+                .notes
+                .warn(part, "instances of a mesh with a skin are left out: it is in its pose once");
+            return Ok(vec![placed.world_from_local]);
+        }
+        Ok(places)
+    }
+
+    fn add_primitive(&mut self, of: &MeshUse<'a, '_>, part: &str) -> Result<(), SceneError> {
+        let primitive = of.primitive;
         let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
         let set = material.uv_set.unwrap_or(0);
         let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
@@ -300,31 +377,54 @@ impl<'a> Assembly<'a> {
         if material.uv_set.is_some() && mesh.uvs.is_empty() {
             self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
         }
-        let place = Place::part(self.arrays.notes.path, part);
-        let uses = self.uses.get(&signature(primitive)).copied().unwrap_or(1);
-        let key = (signature(primitive), material.uv_set);
-        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&key) {
-            // One that cannot be repaired is told of below
-            let mut of_mesh = Vec::new();
-            self.turned += orient(&mut mesh);
-            if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
-                let object = shared.placed(world_from_local);
-                self.shared.insert(key, shared);
-                if let Some(object) = object {
-                    self.warnings.append(&mut of_mesh);
-                    return self
-                        .push(Object { name: name.to_owned(), material: material.index, ..object }, part);
-                }
-            }
+        let weights = of.node.weights.as_ref().unwrap_or(&of.mesh.weights);
+        self.arrays.add_targets(primitive, weights, part, &mut mesh)?;
+        if self.add_shared(of, &mut mesh, (material.index, material.uv_set), part)? {
+            return Ok(());
         }
-        mesh.transform(world_from_local);
-        if let Err(error) = repair_mesh(&mut mesh, &place, self.warnings) {
+        let maps = match of.node.skin.and_then(|skin| self.skins.get(&skin)) {
+            Some(joints) => self.arrays.vertex_maps(primitive, joints, mesh.positions.len(), part)?,
+            None => None,
+        };
+        match maps {
+            Some(maps) => mesh.transform_vertices(&maps),
+            None => mesh.transform(&of.world_from_local),
+        }
+        if let Err(error) = repair_mesh(&mut mesh, &Place::part(self.arrays.notes.path, part), self.warnings)
+        {
             self.arrays.notes.warn(part, format!("left out: {}", error.message));
             self.unusable.get_or_insert(error);
             return Ok(());
         }
-        let (name, mesh, material) = (name.to_owned(), mesh.into(), material.index);
+        let (name, mesh, material) = (of.name.to_owned(), mesh.into(), material.index);
         self.push(Object { name, mesh, material, ..Object::default() }, part)
+    }
+
+    /// Adds an object that shares its mesh with others to come, if it is worth it.
+    fn add_shared(
+        &mut self,
+        of: &MeshUse<'a, '_>,
+        mesh: &mut Mesh,
+        (material, uv_set): (usize, Option<usize>),
+        part: &str,
+    ) -> Result<bool, SceneError> {
+        let key = (signature(of.primitive), uv_set);
+        let uses = self.uses.get(&key.0).copied().unwrap_or(1);
+        if of.is_posed() || !mesh.is_worth_sharing(uses) || self.shared.contains_key(&key) {
+            return Ok(false);
+        }
+        let (place, mut of_mesh) = (Place::part(self.arrays.notes.path, part), Vec::new());
+        self.turned += orient(mesh);
+        // One that cannot be repaired is told of when it is baked
+        let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) else {
+            return Ok(false);
+        };
+        let object = shared.placed(&of.world_from_local);
+        self.shared.insert(key, shared);
+        let Some(object) = object else { return Ok(false) };
+        self.warnings.append(&mut of_mesh);
+        self.push(Object { name: of.name.to_owned(), material, ..object }, part)?;
+        Ok(true)
     }
 
     /// Adds an object of the mesh at hand.
@@ -357,8 +457,14 @@ impl<'a> Assembly<'a> {
         self.materials.report(self.arrays);
         warn_of_turned(self.turned, &Place::file(self.arrays.notes.path), self.warnings);
         if self.scene.objects.is_empty() {
-            let none =
-                || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
+            let none = || {
+                let place = Place::file(self.arrays.notes.path);
+                let error = SceneError::at(place, "the file's scene has no triangles");
+                match self.hidden {
+                    0 => error,
+                    count => error.with_help(format!("KHR_node_visibility hides {count} of its meshes")),
+                }
+            };
             return Err(self.unusable.unwrap_or_else(none));
         }
         let MaterialShelf { mut materials, images, .. } = self.materials;

@@ -8,12 +8,28 @@ use super::document::{self, Document, Node};
 use super::notes::Notes;
 
 /// A node with its place in the world.
+#[derive(Clone, Copy)]
 pub(super) struct PlacedNode {
     pub(super) index: usize,
     pub(super) world_from_local: DAffine3,
+    /// Whether it is of the scene; others can be joints of a skin.
+    pub(super) is_in_scene: bool,
+    /// Whether its mesh and light show: it and its parents are visible by KHR_node_visibility.
+    pub(super) is_visible: bool,
 }
 
-/// The nodes of the default scene, parents before children, under a `world_from_root` transform.
+/// KHR_node_visibility.
+#[derive(serde::Deserialize)]
+struct Visibility {
+    #[serde(default = "yes")]
+    visible: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// All nodes, those of the default scene first, parents before children, under a `world_from_root` transform.
 ///
 /// Without a default scene it is the first one, without scenes every root node.
 ///
@@ -27,19 +43,32 @@ pub(super) fn flatten(
 ) -> Result<Vec<PlacedNode>, SceneError> {
     let parents = find_parents(document, notes)?;
     refuse_cycles(&parents, document, notes)?;
-    let mut stack: Vec<(usize, DAffine3)> =
-        roots(document, &parents, notes)?.into_iter().rev().map(|root| (root, world_from_root)).collect();
+    let place = |index, is_in_scene| PlacedNode {
+        index,
+        world_from_local: world_from_root,
+        is_in_scene,
+        is_visible: is_in_scene,
+    };
+    let in_scene = roots(document, &parents, notes)?;
+    let mut is_elsewhere: Vec<bool> = parents.iter().map(Option::is_none).collect();
+    in_scene.iter().for_each(|&root| is_elsewhere[root] = false);
+    let elsewhere = (0..parents.len()).filter(|&root| is_elsewhere[root] && !document.skins.is_empty());
+    let mut stack: Vec<PlacedNode> = elsewhere.map(|root| place(root, false)).collect();
+    stack.extend(in_scene.into_iter().rev().map(|root| place(root, true)));
     let mut placed = Vec::new();
     // An explicit stack: a chain of a million nodes is legal, and no reason to overflow the machine's.
-    while let Some((index, world_from_parent)) = stack.pop() {
-        let part = document.nodes.label(index);
-        let node = document.nodes.get(index, &part, notes.path)?;
-        let world_from_local = world_from_parent * local_transform(node, &part, notes)?;
-        if !world_from_local.is_finite() {
+    while let Some(mut at) = stack.pop() {
+        let part = document.nodes.label(at.index);
+        let node = document.nodes.get(at.index, &part, notes.path)?;
+        at.world_from_local *= local_transform(node, &part, notes)?;
+        if !at.world_from_local.is_finite() {
             return Err(notes.error(&part, "its transform in the world is too large for a number"));
         }
-        stack.extend(node.children.iter().rev().map(|&child| (child, world_from_local)));
-        placed.push(PlacedNode { index, world_from_local });
+        let visibility = "KHR_node_visibility";
+        let visibility = document::extension::<Visibility>(&node.extensions, visibility, &part, notes.path)?;
+        at.is_visible &= visibility.is_none_or(|visibility| visibility.visible);
+        stack.extend(node.children.iter().rev().map(|&index| PlacedNode { index, ..at }));
+        placed.push(at);
     }
     Ok(placed)
 }

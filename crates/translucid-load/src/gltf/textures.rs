@@ -33,6 +33,12 @@ pub(super) struct ImageShelf {
     known: HashMap<(usize, Use), Option<usize>>,
 }
 
+/// EXT_texture_webp.
+#[derive(Deserialize)]
+struct Source {
+    source: usize,
+}
+
 /// KHR_texture_transform.
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
@@ -83,7 +89,9 @@ impl ImageShelf {
             }
             None => [Wrap::Repeat; 2],
         };
-        let Some(source) = texture.source else {
+        let webp: Option<Source> =
+            document::extension(&texture.extensions, "EXT_texture_webp", &label, path)?;
+        let Some(source) = webp.map(|webp| webp.source).or(texture.source) else {
             let reason = match texture.extensions.keys().next() {
                 Some(name) => format!("{} is not read", uri::clip(name)),
                 None => String::from("it has no source"),

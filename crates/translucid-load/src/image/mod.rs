@@ -11,6 +11,7 @@ mod radiance;
 mod tags;
 mod tiff;
 mod upright;
+mod webp;
 
 use std::path::Path;
 
@@ -22,7 +23,7 @@ use file_bytes::ImageBytes;
 use icc::Profile;
 use translucid_scene::{ColorSpace, Image, ImageKind, Pixels, Place, SceneError, Warning};
 
-/// Loads a photograph: PNG, JPEG, TIFF, OpenEXR or Radiance HDR, whatever its name ends in.
+/// Loads a photograph: PNG, JPEG, WebP, TIFF, OpenEXR or Radiance HDR, whatever its name ends in.
 ///
 /// What the file states of its colors counts: ICC profiles, cICP, gAMA and cHRM of PNG, chromaticities of OpenEXR.
 /// They become linear Rec. 709, with negative values for colors beyond it.
@@ -101,6 +102,7 @@ pub(crate) fn decode_for(
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source, warnings)?,
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => tiff::decode(&source, warnings)?,
         [b'#', b'?', ..] => radiance::decode(&source)?,
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => webp::decode(&source)?,
         _ => return Err(other_formats::refusal(&source)),
     };
     let Picture { size, orientation, .. } = picture;

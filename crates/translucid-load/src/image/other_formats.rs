@@ -6,8 +6,7 @@ use super::file_bytes::ImageBytes;
 use super::tags::Directory;
 
 /// Formats by the bytes that they have at a place.
-const FORMATS: [(usize, &[u8], &str); 30] = [
-    (8, b"WEBP", "a WebP"),
+const FORMATS: [(usize, &[u8], &str); 29] = [
     (0, b"GIF8", "a GIF"),
     (0, b"BM", "a BMP"),
     (0, b"8BPS", "a Photoshop document"),
@@ -70,7 +69,7 @@ pub(super) fn refusal(source: &ImageBytes<'_>) -> SceneError {
     }
 }
 
-const READ: &str = "PNG, JPEG, TIFF, OpenEXR and Radiance HDR can be read";
+const READ: &str = "PNG, JPEG, WebP, TIFF, OpenEXR and Radiance HDR can be read";
 
 const SAVE_AS: &str = "save it as PNG of 16 bits, TIFF or OpenEXR with its color profile, for instance by \
                        `oiiotool FILE -o FILE.png` or an image editor";

@@ -284,8 +284,7 @@ fn other_formats_are_called_by_name() {
         decode_image(&place, bytes, ColorSpace::Srgb, &mut Vec::new()).unwrap_err()
     };
     for (bytes, part) in [
-        (&b"RIFF\x10\0\0\0WEBPVP8 "[..], "is a WebP"),
-        (b"\0\0\0\x20ftypheic", "is a HEIC"),
+        (&b"\0\0\0\x20ftypheic"[..], "is a HEIC"),
         (b"\0\0\0\x20ftypavif", "is an AVIF"),
         (b"8BPS\0\x01", "is a Photoshop document"),
         (b"\xff\x0a\0", "is a JPEG XL"),

@@ -27,13 +27,14 @@ const fn space(name: &'static str, primaries: Primaries, curve: Curve) -> NamedS
 }
 
 /// The spaces that MaterialX names; "none" is no management: numbers are taken as they are.
-const SPACES: [NamedSpace; 14] = [
+const SPACES: [NamedSpace; 15] = [
     space("none", REC_709, Curve::Linear),
     space("lin_rec709", REC_709, Curve::Linear),
     space("lin_srgb", REC_709, Curve::Linear),
     space("srgb_texture", REC_709, Curve::Srgb),
     space("g22_rec709", REC_709, Curve::Power(2.2)),
     space("g18_rec709", REC_709, Curve::Power(1.8)),
+    space("rec709_display", REC_709, Curve::Power(2.4)),
     space("acescg", AP1, Curve::Linear),
     space("lin_ap1", AP1, Curve::Linear),
     space("g22_ap1", AP1, Curve::Power(2.2)),
@@ -44,8 +45,26 @@ const SPACES: [NamedSpace; 14] = [
     space("srgb_displayp3", DISPLAY_P3, Curve::Srgb),
 ];
 
+/// Names of other versions and of NanoColor, as `DefaultColorManagementSystem` of MaterialX 1.39.5 takes them.
+const OTHER_NAMES: [(&str, &str); 13] = [
+    ("gamma18", "g18_rec709"),
+    ("gamma22", "g22_rec709"),
+    ("gamma24", "rec709_display"),
+    ("lin_ap1_scene", "acescg"),
+    ("lin_rec709_scene", "lin_rec709"),
+    ("lin_p3d65_scene", "lin_displayp3"),
+    ("lin_adobergb_scene", "lin_adobergb"),
+    ("srgb_rec709_scene", "srgb_texture"),
+    ("g22_rec709_scene", "g22_rec709"),
+    ("g18_rec709_scene", "g18_rec709"),
+    ("g22_ap1_scene", "g22_ap1"),
+    ("srgb_p3d65_scene", "srgb_displayp3"),
+    ("g22_adobergb_scene", "adobergb"),
+];
+
 impl NamedSpace {
     pub(super) fn named(name: &str) -> Option<Self> {
+        let name = OTHER_NAMES.iter().find(|(other, _)| *other == name).map_or(name, |(_, name)| *name);
         SPACES.into_iter().find(|space| space.name == name)
     }
 
@@ -112,5 +131,15 @@ mod tests {
         assert!((to_rec_709("g22_rec709", [0.5; 3]).y - 0.217_638).abs() < 1e-6);
         assert!((to_rec_709("adobergb", [0.5; 3]).z - 0.5_f32.powf(2.199_218_8)).abs() < 1e-6);
         assert!(NamedSpace::named("sRGB").is_none());
+    }
+
+    #[test]
+    fn names_of_nanocolor_are_those_of_their_spaces() {
+        let color = [0.2, 0.8, 0.2];
+        let expected = Vec3::new(0.033_105, 0.603_827, 0.033_105);
+        assert!(to_rec_709("srgb_rec709_scene", color).abs_diff_eq(expected, 1e-5));
+        for (other, name) in OTHER_NAMES {
+            assert_eq!(to_rec_709(other, color), to_rec_709(name, color), "{other}");
+        }
     }
 }

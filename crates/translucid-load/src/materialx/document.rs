@@ -8,6 +8,9 @@ use std::sync::Arc;
 use roxmltree::{Document, Node, NodeId};
 use translucid_scene::{Place, SceneError, Warning};
 
+/// Most elements, attributes' texts and comments of a document.
+pub(super) const MOST_NODES: u32 = 1 << 20;
+
 /// Most warnings of a document; a damaged one could make one for every number in it.
 const MOST_WARNINGS: usize = 256;
 

@@ -3,7 +3,7 @@
 //! | node | what becomes of it |
 //! |---|---|
 //! | constant, dot, convert | the value |
-//! | image, tiledimage | an image |
+//! | image, tiledimage, gltf_image, gltf_colorimage | an image |
 //! | multiply | an image or constant times a constant |
 //! | extract, separate2, separate3, separate4 | a channel |
 //! | texcoord, geompropvalue, place2d | the mapping of an image |
@@ -261,7 +261,13 @@ impl<'s, 'd> Graph<'s, 'd> {
             "constant" => self.required(node, scope, "value"),
             "dot" => self.required(node, scope, "in"),
             "convert" => self.converted(node, scope),
-            "image" | "tiledimage" => self.image(node, scope),
+            "image" | "tiledimage" => self.image(node, scope, node.attribute("type").unwrap_or("")),
+            "gltf_image" => self.gltf_image(node, scope, node.attribute("type").unwrap_or("")),
+            "gltf_colorimage" => {
+                let Some(image) = self.gltf_image(node, scope, "color4")? else { return Ok(None) };
+                let is_alpha = output == Some("outa");
+                Ok(Some(if is_alpha { image.single(3) } else { Signal { channels: 3, ..image } }))
+            }
             "multiply" => self.product(node, scope),
             "extract" => {
                 let index = self.input(node, scope, "index")?.map_or(0.0, |index| index.factor[0]);
@@ -371,8 +377,37 @@ impl<'s, 'd> Graph<'s, 'd> {
         })
     }
 
-    fn image(&mut self, node: Node<'d, 'd>, scope: Node<'d, 'd>) -> Result<Option<Signal>, SceneError> {
-        let kind = node.attribute("type").unwrap_or("");
+    /// An image of glTF times its factor, as the library's `gltf_image` and its kin have it.
+    pub(super) fn gltf_image(
+        &mut self,
+        node: Node<'d, 'd>,
+        scope: Node<'d, 'd>,
+        kind: &str,
+    ) -> Result<Option<Signal>, SceneError> {
+        for name in ["geomcolor", "uvindex", "pivot", "scale", "rotate", "offset", "operationorder"] {
+            if let Some(input) = self.source.child(node, Kind::Input, name)? {
+                self.give_up(input, &format!("{name} of {} has no counterpart here", title(node)));
+                return Ok(None);
+            }
+        }
+        let Some(image) = self.image(node, scope, kind)? else { return Ok(None) };
+        let name = if node.has_tag_name("gltf_colorimage") { "color" } else { "factor" };
+        match self.input(node, scope, name)? {
+            Some(Signal { texture: None, factor, .. }) => Ok(Some(Signal { factor, ..image })),
+            Some(_) => {
+                self.give_up(node, &format!("{} is the product of two images", title(node)));
+                Ok(None)
+            }
+            None => Ok(Some(image)),
+        }
+    }
+
+    fn image(
+        &mut self,
+        node: Node<'d, 'd>,
+        scope: Node<'d, 'd>,
+        kind: &str,
+    ) -> Result<Option<Signal>, SceneError> {
         let Some(channels) = channels_of(kind) else {
             let message =
                 format!("{} has the type {}, but must have one of numbers", title(node), shown(kind));
@@ -450,6 +485,27 @@ impl<'s, 'd> Graph<'s, 'd> {
             Origin::Value(element, value) => Some((element, value)),
             _ => None,
         })
+    }
+
+    /// Whether an input of a shader is true; false, with a warning, if it depends on other nodes.
+    pub(super) fn flag(
+        &mut self,
+        shader: Node<'d, 'd>,
+        input: Node<'d, 'd>,
+        name: &str,
+    ) -> Result<bool, SceneError> {
+        self.reading = format!("{}, {name}", title(shader));
+        match self.word(shader, scope_of(shader), name)? {
+            Some((_, "true")) => Ok(true),
+            Some((_, "false")) => Ok(false),
+            Some((element, word)) => {
+                Err(self.error(element, &format!("it is \"{}\", but must be true or false", shown(word))))
+            }
+            None => {
+                self.give_up(input, "it has no value of its own");
+                Ok(false)
+            }
+        }
     }
 
     fn wrap(&self, node: Node<'d, 'd>, scope: Node<'d, 'd>, name: &str) -> Result<Wrap, SceneError> {

@@ -1,12 +1,14 @@
-//! MaterialX documents (.mtlx): a material of an OpenPBR Surface or an Autodesk Standard Surface.
+//! MaterialX documents (.mtlx): a material of an OpenPBR Surface, or of a shader that [`model`] translates into one.
 //!
-//! [`shader`] translates inputs and [`graph`] the nodes in front of them; everything else gets a warning, once.
+//! [`shader`] reads inputs and [`graph`] the nodes in front of them; everything else gets a warning, once.
 //! Lengths have the unit that their input states, or that of the scene.
 //! Colors have the color space that is stated around them, and become linear Rec. 709.
 
 mod color_space;
 mod document;
 mod graph;
+mod include;
+mod model;
 mod shader;
 mod unit;
 
@@ -17,15 +19,14 @@ use translucid_profile::nearest;
 use translucid_scene::description::FileRequest;
 use translucid_scene::{ImageKind, Material, Place, SceneError, Unit, Warning};
 
-use self::document::{Kind, Source, clipped, shown, title};
+use self::document::{Kind, MOST_NODES, Source, clipped, shown, title};
 use self::graph::{Graph, scope_of};
-use self::shader::{LengthUnits, ShadingModel, read_shader};
+use self::model::{ShadingModel, materials};
+use self::shader::{LengthUnits, read_shader};
 use crate::file::read_file;
 
 /// Most bytes of a document.
 const LARGEST_FILE: u64 = 16 << 20;
-/// Most elements, attributes' texts and comments of a document.
-const MOST_NODES: u32 = 1 << 20;
 
 /// The material that is read from a document.
 #[derive(Clone, Copy, Debug)]
@@ -54,11 +55,12 @@ pub(super) fn load_materialx(
 
 /// Reads a material of a MaterialX document from memory, and the paths of the images that its textures count.
 ///
+/// Documents that it includes are read where the material is in one of them.
 /// `name` chooses among several materials; `unit` is that of the scene, and of lengths that state none.
 ///
 /// # Errors
-/// The bytes are no XML, have a document type, more than 2²⁰ nodes, no material or none of the name, or one that is not of an
-/// `open_pbr_surface` or `standard_surface`; a value is not of its input's type, a unit unknown, a reference to nothing or
+/// The bytes are no XML, have a document type, more than 2²⁰ nodes, no material or none of the name, or one whose
+/// shader is of no model that is read; a value is not of its input's type, a unit unknown, a reference to nothing or
 /// in a circle. The message names the line.
 ///
 /// ```
@@ -89,6 +91,18 @@ pub fn parse_materialx(
 }
 
 fn read(
+    bytes: &[u8],
+    path: &Path,
+    choice: MaterialChoice<'_>,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
+    if let Some(other) = include::home(bytes, path, choice.name)? {
+        return read_document(&read_file(&other)?, &other, choice, warnings);
+    }
+    read_document(bytes, path, choice, warnings)
+}
+
+fn read_document(
     bytes: &[u8],
     path: &Path,
     choice: MaterialChoice<'_>,
@@ -142,8 +156,8 @@ fn read_material<'d>(
     let mut graph = Graph::new(source, path);
     let shader = shader_of(source, &graph, chosen)?;
     let Some(model) = ShadingModel::of(shader) else {
-        let allowed = ShadingModel::CATEGORIES.join(" or ");
-        let message = format!("the shader is {}, but must be an {allowed}", title(shader));
+        let allowed = ShadingModel::CATEGORIES.join(", ");
+        let message = format!("the shader is {}, but must be one of {allowed}", title(shader));
         return Err(source.error(shader, message));
     };
     let units = LengthUnits { of_scene: choice.unit, stated: choice.length_unit };
@@ -177,23 +191,15 @@ fn choose<'d>(
     root: Node<'d, 'd>,
     name: Option<&str>,
 ) -> Result<Node<'d, 'd>, SceneError> {
-    let of = |categories: &[&str]| -> Vec<Node<'d, 'd>> {
-        let is_one =
-            |child: &Node<'d, 'd>| child.is_element() && categories.contains(&child.tag_name().name());
-        root.children().filter(is_one).collect()
-    };
-    let mut all = of(&["surfacematerial"]);
-    if all.is_empty() {
-        all = of(&ShadingModel::CATEGORIES);
-    }
+    let all = materials(root);
     let names = || all.iter().filter_map(|material| material.attribute("name"));
     let list = || names().take(16).map(shown).collect::<Vec<_>>().join(", ");
     let Some(name) = name else {
         return match all[..] {
             [only] => Ok(only),
             [] => {
-                let allowed = ShadingModel::CATEGORIES.join(" and no ");
-                Err(source.error(root, format!("the document has no surfacematerial and no {allowed}")))
+                let allowed = ShadingModel::CATEGORIES.join(", ");
+                Err(source.error(root, format!("the document has no surfacematerial, and no {allowed}")))
             }
             _ => {
                 let message =

@@ -3,168 +3,18 @@
 use glam::Vec3;
 use roxmltree::Node;
 use translucid_profile::nearest;
-use translucid_scene::description::{Field, Slot};
+use translucid_scene::description::Slot;
 use translucid_scene::{ColorInput, Interval, Material, NormalMap, ScalarInput, SceneError, Unit};
 
 use super::document::{Kind, shown, title};
 use super::graph::{Graph, Signal, scope_of};
+use super::model::{ShadingModel, Together, numbers};
 
 /// Luminance of a radiance of 1 W/(sr m²) \[cd/m²\], as for the lamps of glTF files.
 const LUMENS_PER_WATT: f32 = 683.0;
 
 /// Parameters that are lengths, by our names.
 const LENGTHS: [&str; 2] = ["subsurface_radius", "transmission_depth"];
-
-/// A shading model: how its inputs are called and what they are by default.
-pub(super) struct ShadingModel {
-    category: &'static str,
-    /// Inputs with another name than the parameter that they are.
-    renamed: &'static [(&'static str, &'static str)],
-    /// Inputs that have no counterpart, with the value at which they change nothing.
-    lost: &'static [(&'static str, &'static str)],
-    /// Inputs that mean something only beside one of those.
-    silent: &'static [&'static str],
-}
-
-/// OpenPBR Surface 1.1.1, whose names and defaults are ours.
-const OPEN_PBR: ShadingModel = ShadingModel {
-    category: "open_pbr_surface",
-    renamed: &[],
-    lost: &[
-        ("base_diffuse_roughness", "0"),
-        ("specular_roughness_anisotropy", "0"),
-        ("transmission_scatter", "0, 0, 0"),
-        ("transmission_dispersion_scale", "0"),
-        ("fuzz_weight", "0"),
-        ("coat_roughness_anisotropy", "0"),
-        ("coat_darkening", "1"),
-        ("thin_film_weight", "0"),
-        ("geometry_thin_walled", "false"),
-        ("geometry_coat_normal", ""),
-        ("geometry_tangent", ""),
-        ("geometry_coat_tangent", ""),
-    ],
-    silent: &[
-        "transmission_scatter_anisotropy",
-        "transmission_dispersion_abbe_number",
-        "fuzz_color",
-        "fuzz_roughness",
-        "thin_film_thickness",
-        "thin_film_ior",
-    ],
-};
-
-/// Autodesk Standard Surface 1.0.1.
-const STANDARD: ShadingModel = ShadingModel {
-    category: "standard_surface",
-    renamed: &[
-        ("base", "base_weight"),
-        ("base_color", "base_color"),
-        ("metalness", "base_metalness"),
-        ("specular", "specular_weight"),
-        ("specular_color", "specular_color"),
-        ("specular_roughness", "specular_roughness"),
-        ("specular_IOR", "specular_ior"),
-        ("transmission", "transmission_weight"),
-        ("transmission_color", "transmission_color"),
-        ("transmission_depth", "transmission_depth"),
-        ("subsurface", "subsurface_weight"),
-        ("subsurface_color", "subsurface_color"),
-        ("subsurface_scale", "subsurface_radius"),
-        ("subsurface_radius", "subsurface_radius_scale"),
-        ("subsurface_anisotropy", "subsurface_scatter_anisotropy"),
-        ("coat", "coat_weight"),
-        ("coat_color", "coat_color"),
-        ("coat_roughness", "coat_roughness"),
-        ("coat_IOR", "coat_ior"),
-        ("emission", "emission_luminance"),
-        ("emission_color", "emission_color"),
-        ("opacity", "geometry_opacity"),
-        ("normal", "geometry_normal"),
-    ],
-    lost: &[
-        ("diffuse_roughness", "0"),
-        ("specular_anisotropy", "0"),
-        ("transmission_scatter", "0, 0, 0"),
-        ("transmission_dispersion", "0"),
-        ("transmission_extra_roughness", "0"),
-        ("sheen", "0"),
-        ("coat_anisotropy", "0"),
-        ("coat_affect_color", "0"),
-        ("coat_affect_roughness", "0"),
-        ("thin_film_thickness", "0"),
-        ("thin_walled", "false"),
-        ("coat_normal", ""),
-        ("tangent", ""),
-    ],
-    silent: &[
-        "specular_rotation",
-        "transmission_scatter_anisotropy",
-        "sheen_color",
-        "sheen_roughness",
-        "coat_rotation",
-        "thin_film_IOR",
-    ],
-};
-
-/// The parameters of a material that are numbers, scalars or colors.
-pub(super) fn numbers() -> impl Iterator<Item = &'static Field<Material>> {
-    let mut plain = Material::default();
-    Material::DESCRIPTION.fields.iter().filter(move |field| {
-        let slot = (field.slot)(&mut plain);
-        matches!(slot, Slot::Number(..) | Slot::Length(..) | Slot::Scalar(..) | Slot::Color(..))
-    })
-}
-
-impl ShadingModel {
-    const ALL: [&'static Self; 2] = [&OPEN_PBR, &STANDARD];
-
-    /// Categories of the shaders that can be read.
-    pub(super) const CATEGORIES: [&'static str; 2] = [OPEN_PBR.category, STANDARD.category];
-
-    /// The model of a shader.
-    pub(super) fn of(shader: Node<'_, '_>) -> Option<&'static Self> {
-        Self::ALL.into_iter().find(|model| model.category == shader.tag_name().name())
-    }
-
-    /// The parameter that an input is, by our name.
-    fn parameter(&self, input: &str) -> Option<&'static str> {
-        if self.category == STANDARD.category {
-            return self.renamed.iter().find(|(name, _)| *name == input).map(|&(_, parameter)| parameter);
-        }
-        let plain = numbers().map(Field::key).chain(["geometry_normal"]);
-        // Those that OpenPBR does not have
-        plain
-            .filter(|name| !matches!(*name, "subsurface_eta" | "subsurface_flights"))
-            .find(|name| *name == input)
-    }
-
-    fn inputs(&self) -> impl Iterator<Item = &'static str> {
-        let ours = numbers().map(Field::key).filter(|name| self.parameter(name).is_some());
-        let renamed = self.renamed.iter().map(|(name, _)| *name);
-        ours.chain(renamed).chain(self.lost.iter().map(|(name, _)| *name)).chain(self.silent.iter().copied())
-    }
-
-    /// A material in which no input is stated.
-    fn defaults(&self, shader: Node<'_, '_>) -> Material {
-        if self.category == OPEN_PBR.category {
-            return Material::default();
-        }
-        // Version 1.0.0 has the weight in `base`, 1.0.1 in `base_color`
-        let is_first = shader.attribute("version") == Some("1.0.0");
-        let (base_weight, base_color) = if is_first { (0.8, 1.0) } else { (1.0, 0.8) };
-        Material {
-            base_weight,
-            base_color: ColorInput::constant(Vec3::splat(base_color)),
-            specular_roughness: ScalarInput::constant(0.2),
-            subsurface_color: ColorInput::constant(Vec3::ONE),
-            subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
-            coat_roughness: ScalarInput::constant(0.1),
-            coat_ior: 1.5,
-            ..Material::default()
-        }
-    }
-}
 
 /// Units of the lengths that a material is to have.
 #[derive(Clone, Copy, Debug)]
@@ -190,8 +40,14 @@ pub(super) fn read_shader<'d>(
     model: &ShadingModel,
     units: LengthUnits,
 ) -> Result<Material, SceneError> {
-    let mut reader =
-        Reader { material: model.defaults(shader), without_unit: LENGTHS.to_vec(), model, shader, units };
+    let mut reader = Reader {
+        material: (model.defaults)(shader),
+        together: Together::new(),
+        without_unit: LENGTHS.to_vec(),
+        model,
+        shader,
+        units,
+    };
     for element in shader.children().filter(Node::is_element) {
         match (element.tag_name().name(), element.attribute("name")) {
             // One of two with a name is refused by their scope
@@ -201,12 +57,17 @@ pub(super) fn read_shader<'d>(
             _ => graph.source.warn(element, format!("{} of {} is left out", title(element), title(shader))),
         }
     }
+    (model.translate)(&mut reader.material, &reader.together, &|message| {
+        graph.source.warn(shader, format!("{}: {message}", title(shader)));
+    });
     reader.finish(graph);
     Ok(reader.material)
 }
 
 struct Reader<'m, 'd> {
     material: Material,
+    /// Inputs that become parameters only together with others.
+    together: Together,
     model: &'m ShadingModel,
     shader: Node<'d, 'd>,
     units: LengthUnits,
@@ -216,6 +77,14 @@ struct Reader<'m, 'd> {
 
 impl<'d> Reader<'_, 'd> {
     fn read(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>, name: &str) -> Result<(), SceneError> {
+        if let Some(&name) = self.model.together.iter().find(|other| **other == name) {
+            self.together.extend(graph.read(self.shader, input)?.map(|signal| (name, signal)));
+            return Ok(());
+        }
+        if self.model.has_thin_walls(name) {
+            self.material.geometry_thin_walled = graph.flag(self.shader, input, name)?;
+            return Ok(());
+        }
         match self.model.parameter(name) {
             Some("geometry_normal") => self.read_normal(graph, input),
             Some(parameter) => match graph.read(self.shader, input)? {
@@ -268,7 +137,7 @@ impl<'d> Reader<'_, 'd> {
         if name == "geometry_opacity" && signal.channels == 3 {
             signal = red_alone(graph, input, signal);
         }
-        let is_photometric = name == "emission_luminance" && self.model.category == OPEN_PBR.category;
+        let is_photometric = name == "emission_luminance" && self.model.is_photometric;
         let scale = match signal.unit {
             unit if LENGTHS.contains(&name) => {
                 if unit.is_some() {
@@ -325,6 +194,12 @@ impl<'d> Reader<'_, 'd> {
     fn read_normal(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>) -> Result<(), SceneError> {
         graph.reading = format!("{}, {}", title(self.shader), input.attribute("name").unwrap_or_default());
         let Some((node, scope)) = graph.node_behind(input, scope_of(self.shader))? else { return Ok(()) };
+        if node.tag_name().name() == "gltf_normalmap" {
+            let image = graph.gltf_image(node, scope, "vector3")?;
+            let texture = image.and_then(|image| image.texture);
+            self.material.geometry_normal = texture.map(|texture| NormalMap { texture, scale: 1.0 });
+            return Ok(());
+        }
         if node.tag_name().name() != "normalmap" {
             graph.give_up(node, &format!("{} is no normalmap", title(node)));
             return Ok(());

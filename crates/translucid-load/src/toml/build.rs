@@ -13,7 +13,7 @@ use translucid_scene::{
 };
 use translucid_shapes::build_shape;
 
-use super::extend::Base;
+use super::base::Base;
 use super::files::KnownFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use translucid_profile::convention::preset;
 use translucid_profile::nearest;
 use translucid_scene::description::{Item, Table, read_size};
-use translucid_scene::{Environment, Film, Place, Scene, SceneError, Unit, Warning, WholeInterval};
+use translucid_scene::{Film, Place, Scene, SceneError, Unit, Warning, WholeInterval};
 
 use super::SceneFile;
+use super::base::Base;
 use super::build::check_present;
 use super::object::read_material_name;
 use crate::LoadOptions;
@@ -40,17 +41,6 @@ const STILL_LIFE: &str = "still-life";
 
 /// Most files of which each extends the next.
 const LONGEST_CHAIN: usize = 16;
-
-/// The scene that a file extends, as far as it is known when the file is read.
-pub(super) enum Base {
-    Unknown,
-    Known(Box<Scene>),
-}
-
-/// A scene that has whatever a change may need, for the check of a text before its base is known.
-pub(super) fn any_base() -> Scene {
-    Scene { environment: Some(Environment::default()), ..Scene::default() }
-}
 
 /// The base that a scene file extends.
 #[derive(Clone, Debug)]

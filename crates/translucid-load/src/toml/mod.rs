@@ -1,5 +1,6 @@
 //! The scene file: TOML text to a description, then with its meshes and images to a scene.
 
+mod base;
 mod build;
 mod camera;
 mod extend;
@@ -17,7 +18,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use extend::{Base, Extends};
+use base::Base;
+use extend::Extends;
 use files::{Documents, NamedFiles};
 use glam::DVec3;
 use object::{GeometryOrigin, ObjectEntry};
@@ -139,7 +141,7 @@ impl SceneFile {
         let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
         let (mut scene, is_known) = match base {
             Base::Known(scene) => (*scene, true),
-            Base::Unknown if is_extending => (extend::any_base(), false),
+            Base::Unknown if is_extending => (base::any_base(), false),
             Base::Unknown => {
                 (Scene { unit: root.require("unit")?.word()?, origin, ..Scene::default() }, true)
             }

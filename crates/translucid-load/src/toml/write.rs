@@ -10,7 +10,7 @@ use translucid_scene::{
 };
 
 use super::SceneFile;
-use super::extend::Base;
+use super::base::Base;
 use super::parse::parse;
 
 /// The base that a written scene file extends: its keys `extends`, `preset` and `unit`.

@@ -3,7 +3,7 @@
 mod check;
 mod repair;
 
-use glam::{Affine3A, DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 pub(crate) use check::stays_flat_enough;
 pub use repair::repair_mesh;
@@ -59,6 +59,25 @@ impl Mesh {
         self.tangents.iter_mut().for_each(|tangent| *tangent = map.tangent(*tangent));
         if map.mirrored {
             self.flip_winding();
+        }
+    }
+
+    /// Bakes an affine map for each vertex into the mesh, as [`transform`](Self::transform) bakes one for all: a skin.
+    ///
+    /// A triangle's winding is flipped if most of its vertices are mirrored.
+    pub fn transform_vertices(&mut self, world_from_local: &[DAffine3]) {
+        let maps: Vec<SurfaceMap> =
+            world_from_local.iter().map(|map| SurfaceMap::new(&map.matrix3)).collect();
+        for (position, map) in self.positions.iter_mut().zip(world_from_local) {
+            *position = map.transform_point3(position.as_dvec3()).as_vec3();
+        }
+        self.normals.iter_mut().zip(&maps).for_each(|(normal, map)| *normal = map.normal(*normal));
+        self.tangents.iter_mut().zip(&maps).for_each(|(tangent, map)| *tangent = map.tangent(*tangent));
+        let is_mirrored = |vertex: &u32| maps.get(*vertex as usize).is_some_and(|map| map.mirrored);
+        for triangle in &mut self.triangles {
+            if triangle.iter().filter(|vertex| is_mirrored(vertex)).count() >= 2 {
+                triangle.swap(1, 2);
+            }
         }
     }
 
@@ -165,6 +184,19 @@ mod tests {
     use glam::Quat;
 
     use super::*;
+
+    #[test]
+    fn transforming_each_vertex_alike_is_transforming_the_mesh() {
+        let linear = Mat3::from_cols(Vec3::new(-2.0, 0.5, 0.0), Vec3::Y, Vec3::new(0.25, 0.0, 3.0));
+        let map = Affine3A::from_mat3_translation(linear, Vec3::new(1.0, 2.0, 3.0));
+        let map_64 = DAffine3::from_mat3_translation(linear.as_dmat3(), DVec3::new(1.0, 2.0, 3.0));
+        let mesh = tetrahedron();
+        let mut each = mesh.clone();
+        each.transform_vertices(&vec![map_64; mesh.positions.len()]);
+        let all = mesh.transformed(&map);
+        assert_eq!((&each.positions, &each.triangles), (&all.positions, &all.triangles));
+        assert_eq!((each.normals, each.tangents), (all.normals, all.tangents));
+    }
 
     /// A tetrahedron with one corner at the origin, outward winding, and one tangent frame a vertex.
     fn tetrahedron() -> Mesh {

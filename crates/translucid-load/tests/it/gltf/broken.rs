@@ -424,13 +424,27 @@ fn too_many_triangles() {
 }
 
 #[test]
-fn compressed_geometry() {
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"] {
+fn extensions_that_are_required_and_not_read() {
+    for (name, help) in [
+        ("KHR_draco_mesh_compression", "gltf-transform copy IN.glb OUT.glb"),
+        ("KHR_texture_basisu", "gltf-transform ktxdecompress"),
+        ("KHR_materials_pbrSpecularGlossiness", "gltf-transform metalrough"),
+        ("ADOBE_materials_thin_transparency", "without its name in extensionsRequired the file is read"),
+    ] {
+        let required = json!(["KHR_mesh_quantization", name]);
         refused_after(
-            |file| file.json["extensionsRequired"] = json!([name]),
-            &["extensionsRequired", name, "without mesh compression"],
+            |file| file.json["extensionsRequired"] = required,
+            &["extensionsRequired: the file needs", name, "which is not read", help],
         );
     }
+    let mut file = File::tetrahedron();
+    file.json["extensionsRequired"] =
+        json!(["KHR_materials_ior", "KHR_xmp_json_ld", "EXT_meshopt_compression"]);
+    assert!(file.load().warnings.is_empty());
+}
+
+#[test]
+fn compressed_geometry() {
     let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
     refused_after(
         |file| {
@@ -439,11 +453,27 @@ fn compressed_geometry() {
         },
         &["mesh 0 \"tetrahedron\" primitive 0", "compressed by KHR_draco_mesh_compression"],
     );
+    for (key, value, words) in [
+        ("count", json!(5), "its meshopt data is damaged"),
+        ("count", json!(1_u64 << 40), "256 times its size"),
+        ("byteStride", json!(6), "cannot have 4 elements of 6 bytes"),
+        ("mode", json!("TRIANGLES"), "cannot have 4 elements of 12 bytes"),
+        ("filter", json!("OCTAHEDRAL"), "cannot have 4 elements of 12 bytes"),
+        ("buffer", json!(7), "refers to buffer 7"),
+        ("byteLength", json!(1_u64 << 40), "but buffer 0 has"),
+        ("mode", json!("WAVELETS"), "unknown variant `WAVELETS`"),
+    ] {
+        let mut file = File::tetrahedron();
+        file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] =
+            json!({ "buffer": 0, "byteLength": 48, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES" });
+        file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][key] = value;
+        refused(&file.glb(), &["bufferView 0", words]);
+    }
     let mut file = File::tetrahedron();
-    let meshopt =
+    let fallback =
         json!({ "byteLength": 96, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
-    file.json["buffers"] = json!([{ "byteLength": 0, "uri": "data:;base64," }, meshopt]);
-    refused(&file.gltf(), &["buffer 1", "compressed by EXT_meshopt_compression"]);
+    file.json["buffers"] = json!([{ "byteLength": 0, "uri": "data:;base64," }, fallback]);
+    refused(&file.gltf(), &["buffer 1", "neither a URI nor a GLB binary chunk"]);
 }
 
 #[test]

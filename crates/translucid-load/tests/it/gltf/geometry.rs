@@ -201,16 +201,37 @@ fn normals_and_tangents_are_read() {
     assert_eq!(loaded.mesh().tangents, [Vec3::X.extend(-1.0); 4]);
 }
 
+/// Both files are the ball of tests/data/README.md.
 #[test]
-fn morph_targets_and_skins_stay_in_the_rest_pose_with_a_warning() {
-    let mut file = File::tetrahedron();
-    file.primitive()["targets"] = json!([{ "POSITION": 0 }]);
-    file.push("skins", json!({ "joints": [0] }));
-    file.json["nodes"][0]["skin"] = json!(0);
-    let loaded = file.load();
-    assert_eq!(loaded.mesh(), File::tetrahedron().load().mesh());
-    assert!(loaded.warned_of("morph targets are left out"));
-    assert!(loaded.warned_of("node 0 \"body\": a skin is left out"));
+fn meshopt_files_unfold_to_the_ball_that_was_packed() {
+    for file in
+        [&include_bytes!("../../data/meshopt_ext.glb")[..], include_bytes!("../../data/meshopt_khr.glb")]
+    {
+        let loaded = parse(file, Unit::Meter).unwrap();
+        let mesh = loaded.mesh();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (42, 80));
+        for ((position, normal), color) in mesh.positions.iter().zip(&mesh.normals).zip(&mesh.colors) {
+            assert!((position.length() - 1.0).abs() < 1e-3, "{position}");
+            assert!(position.abs_diff_eq(*normal, 0.02), "{position} {normal}");
+            assert!(color.abs_diff_eq(0.5 * *position + 0.5, 0.02), "{position} {color}");
+        }
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            assert!((b - a).cross(c - a).dot(a) > 0.1, "{triangle:?}");
+        }
+    }
+}
+
+#[test]
+fn damaged_meshopt_data_is_refused_or_read_and_never_panics() {
+    for file in
+        [&include_bytes!("../../data/meshopt_ext.glb")[..], include_bytes!("../../data/meshopt_khr.glb")]
+    {
+        for mutant in translucid_testing::mutants(file, 4_000) {
+            drop(parse(&mutant, Unit::Meter));
+        }
+    }
 }
 
 #[test]

@@ -102,6 +102,28 @@ fn gpu_instancing_places_a_mesh_at_every_instance() {
     assert_eq!(scene.objects[1].subsurface_group, 1);
 }
 
+/// As gltfpack writes them: positions are counted in steps, which only the instances make meters.
+#[test]
+fn the_origin_of_instances_is_where_they_are() {
+    let mut file = File::tetrahedron();
+    let steps: Vec<u8> = [0_u16, 0, 16383, 0, 16383, 0, 16383, 0, 0, 16383, 16383, 0, 0, 0, 0, 0]
+        .map(u16::to_le_bytes)
+        .concat();
+    let view = file.view(&steps);
+    file.json["bufferViews"][view]["byteStride"] = json!(8);
+    let accessor = json!({ "bufferView": view, "componentType": 5123, "type": "VEC3", "count": 4 });
+    let position = file.push("accessors", accessor);
+    file.attribute("POSITION", position);
+    let translation = file.floats("VEC3", &[0.1, 0.2, 0.3]);
+    let scale = file.floats("VEC3", &[1.0 / 16383.0; 3]);
+    let attributes = json!({ "TRANSLATION": translation, "SCALE": scale });
+    file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = json!({ "attributes": attributes });
+    let scene = file.load().scene;
+    assert_eq!(scene.origin, DVec3::ZERO);
+    let corner = scene.objects[0].mesh.positions[0];
+    assert!(corner.abs_diff_eq(Vec3::new(0.1, 0.2, 1.3), 1e-6), "{corner}");
+}
+
 /// Where a mesh has many uses, by nodes or by instances of one, all share it: they stand where their copies would.
 #[test]
 fn meshes_of_many_uses_are_shared() {

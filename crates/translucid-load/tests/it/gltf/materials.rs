@@ -7,7 +7,7 @@ use translucid_scene::{
     Channel, ColorInput, ColorSpace, Material, Pixels, ScalarInput, SubsurfaceModel, TextureRef, Unit, Wrap,
 };
 
-use super::builder::{File, parse, png};
+use super::builder::{File, Loaded, parse, png};
 
 /// A file whose only material is this one, with textures 0 and 1 on two images.
 fn with_textures(material: Value) -> File {
@@ -152,13 +152,15 @@ fn ior_and_specular_are_read() {
         warnings[0].contains("material 0: specular_ior is 0, but must be in [1, 4]: it becomes 1"),
         "{warnings:?}"
     );
-    let (material, _) = read(extended(
+    let mut dielectric = extended(
         "KHR_materials_specular",
         json!({
             "specularFactor": 0.5, "specularTexture": { "index": 1 },
             "specularColorFactor": [2, 1, 0], "specularColorTexture": { "index": 0 }
         }),
-    ));
+    );
+    dielectric["pbrMetallicRoughness"]["metallicFactor"] = json!(0);
+    let (material, _) = read(dielectric);
     assert_eq!(material.specular_weight.factor, 0.5);
     assert_eq!(material.specular_weight.texture.unwrap().1, Channel::Alpha);
     assert_eq!(material.specular_color.factor, Vec3::new(2.0, 1.0, 0.0));
@@ -204,6 +206,29 @@ fn transmission_takes_its_tint_from_the_volume_else_from_the_base() {
     assert_eq!(material.transmission_color.factor, Vec3::new(0.9, 0.8, 0.7));
     assert_eq!(material.transmission_depth, 0.0);
     assert!(warnings[0].contains("transmission without thickness"), "{warnings:?}");
+}
+
+/// KHR_materials_specular: "the specular factor and color only affect the dielectric BRDF".
+#[test]
+fn the_specular_factor_is_none_of_metals() {
+    let with = |metallic: f64| {
+        let metallic = json!({ "metallicFactor": metallic });
+        let specular =
+            json!({ "KHR_materials_specular": { "specularFactor": 0, "specularColorFactor": [0, 0, 1] } });
+        File::with_material(json!({ "pbrMetallicRoughness": metallic, "extensions": specular })).load()
+    };
+    let highlight = |loaded: &Loaded| {
+        let material = &loaded.scene.materials[0];
+        (material.specular_weight.factor, material.specular_color.factor)
+    };
+    assert_eq!(highlight(&with(0.0)), (0.0, Vec3::Z));
+    assert_eq!(highlight(&with(1.0)), (1.0, Vec3::ONE));
+    let partly = with(0.5);
+    assert!(
+        highlight(&partly) == (1.0, Vec3::ONE) && partly.warned_of("as for metals"),
+        "{:?}",
+        partly.warnings
+    );
 }
 
 /// The example of KHR_materials_volume_scatter's specification: a skin of 10 mm.

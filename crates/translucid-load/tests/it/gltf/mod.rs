@@ -9,3 +9,4 @@ mod geometry;
 mod hierarchy;
 mod materials;
 mod mutation;
+mod pose;

@@ -55,7 +55,18 @@ fn everything() -> File {
             "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]
         }),
     );
-    file.push("scenes", json!({ "nodes": [2] }));
+    let joints = file.accessor("VEC4", 5121, 16, &[0, 1, 0, 0].repeat(4));
+    let weights = file.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(4));
+    file.attribute("JOINTS_0", joints);
+    file.attribute("WEIGHTS_0", weights);
+    file.primitive()["targets"] = json!([{ "POSITION": 0, "NORMAL": normals }]);
+    file.json["meshes"][0]["weights"] = json!([0.25]);
+    file.push("skins", json!({ "joints": [0, 1] }));
+    file.push(
+        "nodes",
+        json!({ "mesh": 0, "skin": 0, "extensions": { "KHR_node_visibility": { "visible": true } } }),
+    );
+    file.push("scenes", json!({ "nodes": [2, 3] }));
     file
 }
 
