@@ -127,7 +127,7 @@ impl Rows {
         rows.sort_by_key(|row| (row.start, u32::MAX - row.end));
         let mut starts = Vec::new();
         let mut end = 0;
-        for row in rows.into_iter().chain([order.len() as u32..u32::MAX]) {
+        for row in rows.into_iter().chain(std::iter::once(order.len() as u32..u32::MAX)) {
             if row.start >= end {
                 starts.extend(end..row.start);
                 starts.push(row.start);

@@ -23,7 +23,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-python", 4700),
     ("translucid-reference", 5700),
     ("translucid-render", 16150),
-    ("translucid-scene", 3580),
+    ("translucid-scene", 3660),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
     ("translucid-view", 2600),
