@@ -70,7 +70,7 @@ impl Scene {
                 _ => count(&body),
             };
             let object = body[0].name.clone();
-            (open_edges > 0).then(|| OpenBody { object, objects: body.len(), open_edges, edges })
+            (open_edges > 0).then_some(OpenBody { object, objects: body.len(), open_edges, edges })
         };
         bodies.into_iter().filter_map(open_body).collect()
     }
