@@ -353,14 +353,34 @@ const STL: &[(&str, List)] = &[
 
 /// A glTF of a triangle, with other lists.
 fn gltf(rest: String) -> (&'static str, Vec<u8>) {
+    gltf_of([1; 3], rest)
+}
+
+/// A glTF of so many buffers, views and accessors of a triangle, each of one before it, with other lists.
+fn gltf_of([buffers, views, accessors]: [usize; 3], rest: String) -> (&'static str, Vec<u8>) {
     // Positions (0 0 0) (1 0 0) (0 1 0)
     const DATA: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let uri = format!("data:application/octet-stream;base64,{DATA}");
+    let all_buffers = list(buffers, |_| format!("{{\"byteLength\":36,\"uri\":\"{uri}\"}}"));
+    let all_views = list(views, |i| format!("{{\"buffer\":{},\"byteLength\":36}}", i.min(buffers - 1)));
+    let all_accessors = list(accessors, |i| {
+        let view = i.min(views - 1);
+        format!("{{\"bufferView\":{view},\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}")
+    });
     let text = format!(
-        "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,{DATA}\"}}],\
-         \"bufferViews\":[{{\"buffer\":0,\"byteLength\":36}}],\
-         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}],{rest}}}"
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{all_buffers}],\"bufferViews\":[{all_views}],\
+         \"accessors\":[{all_accessors}],{rest}}}"
     );
     ("a.gltf", text.into_bytes())
+}
+
+/// Meshes of one accessor each, and nodes of them.
+fn meshes_of_accessors(length: usize) -> String {
+    format!(
+        "\"meshes\":[{}],\"nodes\":[{}]",
+        list(length, |i| format!("{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{i}}}}}]}}")),
+        list(length, |i| format!("{{\"mesh\":{i}}}"))
+    )
 }
 
 const PRIMITIVE: &str = "{\"attributes\":{\"POSITION\":0}}";
@@ -437,10 +457,16 @@ const GLTF: &[(&str, List)] = &[
             ))
         ))
     }),
-    ("gltf missing buffers", |n| {
+    ("gltf accessors", |n| gltf_of([1, 1, n], meshes_of_accessors(n))),
+    ("gltf views", |n| gltf_of([1, n, n], meshes_of_accessors(n))),
+    ("gltf buffers", |n| gltf_of([n, n, n], meshes_of_accessors(n))),
+    ("gltf samplers", |n| {
         gltf(format!(
-            "\"x\":[{}],\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("{i}"))
+            "\"samplers\":[{}],\"textures\":[{}],\"images\":[{{\"uri\":\"no.png\"}}],\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
+            list(n, |_| "{\"wrapS\":33071}".into()),
+            list(n, |i| format!("{{\"source\":0,\"sampler\":{i}}}")),
+            list(n, |i| format!("{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":{i}}}}}}}")),
+            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
         ))
     }),
     ("gltf attributes", |n| {
@@ -614,6 +640,32 @@ const BESIDE: &[(&str, ListBeside)] = &[
         std::fs::write(folder.join("list.png"), bytes).unwrap();
         picture("list.png")
     }),
+    ("exr channels", |folder, n| {
+        let other = (0..n).map(|i| format!("c{i:07}"));
+        let names: Vec<String> = ["B", "G", "R"].map(String::from).into_iter().chain(other).collect();
+        exr(folder, &[&names])
+    }),
+    ("exr parts", |folder, n| {
+        let names = ["B", "G", "R"].map(String::from);
+        exr(folder, &vec![&names[..]; n])
+    }),
+    ("tiff pages", |folder, n| {
+        // A page of one pixel, which all have
+        let mut bytes = b"II*\0\x0a\0\0\0\x99\0".to_vec();
+        for page in 1..=n {
+            bytes.extend(9_u16.to_le_bytes());
+            for (tag, value) in
+                [(256, 1), (257, 1), (258, 8), (259, 1), (262, 1), (273, 8), (277, 1), (278, 1), (279, 1_u32)]
+            {
+                bytes.extend([tag, 4_u16].into_iter().flat_map(u16::to_le_bytes));
+                bytes.extend([1, value].into_iter().flat_map(u32::to_le_bytes));
+            }
+            let next = if page == n { 0 } else { bytes.len() as u32 + 4 };
+            bytes.extend(next.to_le_bytes());
+        }
+        std::fs::write(folder.join("list.tif"), bytes).unwrap();
+        picture("list.tif")
+    }),
     ("hdr lines", |folder, n| {
         std::fs::write(
             folder.join("list.hdr"),
@@ -626,6 +678,58 @@ const BESIDE: &[(&str, ListBeside)] = &[
         picture("list.hdr")
     }),
 ];
+
+/// An OpenEXR picture of one pixel, in parts of these channels.
+fn exr(folder: &Path, parts: &[&[String]]) -> (&'static str, Vec<u8>) {
+    let is_multipart = parts.len() > 1;
+    let word = |value: u32| value.to_le_bytes();
+    let mut bytes = [word(20_000_630), word(if is_multipart { 0x1002 } else { 2 })].concat();
+    for (number, channels) in parts.iter().enumerate() {
+        let mut list: Vec<u8> = Vec::new();
+        for name in *channels {
+            list.extend(name.bytes().chain([0]));
+            list.extend([word(2), word(0), word(1), word(1)].concat());
+        }
+        list.push(0);
+        let mut attributes = vec![
+            ("channels", "chlist", list),
+            ("compression", "compression", vec![0]),
+            ("dataWindow", "box2i", vec![0; 16]),
+            ("displayWindow", "box2i", vec![0; 16]),
+            ("lineOrder", "lineOrder", vec![0]),
+            ("pixelAspectRatio", "float", 1_f32.to_le_bytes().to_vec()),
+            ("screenWindowCenter", "v2f", vec![0; 8]),
+            ("screenWindowWidth", "float", 1_f32.to_le_bytes().to_vec()),
+        ];
+        if is_multipart {
+            attributes.extend([
+                ("name", "string", format!("p{number}").into_bytes()),
+                ("type", "string", b"scanlineimage".to_vec()),
+                ("chunkCount", "int", word(1).to_vec()),
+            ]);
+        }
+        for (name, kind, value) in attributes {
+            bytes.extend(name.bytes().chain([0]).chain(kind.bytes()).chain([0]));
+            bytes.extend(word(value.len() as u32));
+            bytes.extend(value);
+        }
+        bytes.push(0);
+    }
+    bytes.extend(is_multipart.then_some(0));
+    let size = |channels: &[String]| 8 + 4 * channels.len() + if is_multipart { 4 } else { 0 };
+    let mut offset = bytes.len() + 8 * parts.len();
+    for channels in parts {
+        bytes.extend((offset as u64).to_le_bytes());
+        offset += size(channels);
+    }
+    for (number, channels) in parts.iter().enumerate() {
+        bytes.extend(word(number as u32).into_iter().filter(|_| is_multipart));
+        bytes.extend([word(0), word(4 * channels.len() as u32)].concat());
+        bytes.extend(0.5_f32.to_le_bytes().repeat(channels.len()));
+    }
+    std::fs::write(folder.join("list.exr"), bytes).unwrap();
+    picture("list.exr")
+}
 
 /// A document with a shader of these inputs.
 fn mtlx(folder: &Path, nodes: String, inputs: &str) -> (&'static str, Vec<u8>) {

@@ -1,6 +1,6 @@
-//! Tables of materials' surfaces, made before the first path.
+//! Tables of materials' surfaces, made when a path first meets one.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use translucid_scene::{Integrator, Material};
 
@@ -9,9 +9,15 @@ use super::bsdf::MaterialTables;
 /// The reflectance tables of a scene's materials, and the materials that light may pass.
 pub(crate) struct SurfaceTables {
     /// For each material; those with the same indices of refraction share one.
-    tables: Vec<Arc<MaterialTables>>,
+    tables: Vec<Arc<TablesOfIors>>,
     /// For each material, `true` if light may pass it: shadow rays then evaluate it.
     lets_light_through: Vec<bool>,
+}
+
+/// The tables of a specular index of refraction and a coat's: they take milliseconds, and files may have thousands.
+struct TablesOfIors {
+    iors: [f32; 2],
+    made: OnceLock<MaterialTables>,
 }
 
 impl SurfaceTables {
@@ -39,18 +45,17 @@ impl SurfaceTables {
         self.lets_light_through.remove(index);
     }
 
-    /// The tables of a material's indices of refraction, which are made if no material has had them.
-    fn tables_of(&self, material: &Material) -> Arc<MaterialTables> {
-        let (specular_ior, coat_ior) = (material.specular_ior, material.coat_ior);
-        let is_alike = |tables: &&Arc<MaterialTables>| {
-            tables.specular_ior() == specular_ior && tables.coat_ior() == coat_ior
-        };
-        let known = self.tables.iter().find(is_alike).cloned();
-        known.unwrap_or_else(|| Arc::new(MaterialTables::new(specular_ior, coat_ior)))
+    /// The tables of a material's indices of refraction, which other materials may have had.
+    fn tables_of(&self, material: &Material) -> Arc<TablesOfIors> {
+        let iors = [material.specular_ior, material.coat_ior];
+        let known = self.tables.iter().find(|tables| tables.iors == iors).cloned();
+        known.unwrap_or_else(|| Arc::new(TablesOfIors { iors, made: OnceLock::new() }))
     }
 
+    #[inline]
     pub(crate) fn of(&self, material: usize) -> &MaterialTables {
-        &self.tables[material]
+        let TablesOfIors { iors: [specular_ior, coat_ior], made } = &*self.tables[material];
+        made.get_or_init(|| MaterialTables::new(*specular_ior, *coat_ior))
     }
 
     pub(crate) fn lets_light_through(&self, material: usize) -> bool {
