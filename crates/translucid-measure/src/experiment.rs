@@ -36,6 +36,9 @@ use crate::unknown_albedo::widen_by_albedo;
 /// Change of the light along the edge, over that in the middle, from which on it is said.
 const UNEVEN_ALONG: f64 = 0.05;
 
+/// Bend of the light along the edge, from its middle to its ends, from which on one across it makes lengths wrong.
+const BENT_ALONG: f64 = 0.01;
+
 /// Least pixels on a side of the part that is measured.
 const LEAST_REGION: usize = 16;
 
@@ -252,6 +255,20 @@ impl Experiment {
                 100.0 * most
             )));
         }
+        let bent = slopes.iter().map(|along| {
+            // What an exponential has beside a straight line is in the intervals
+            let square = 0.125 * (along.slope * (last - first)).powi(2);
+            if along.bend.abs() > 2.0 * square { along.bend } else { 0.0 }
+        });
+        let bent = bent.fold(0.0, |most: f64, bend| if bend.abs() > most.abs() { bend } else { most });
+        if bent.abs() > BENT_ALONG {
+            let than = if bent < 0.0 { "darker" } else { "brighter" };
+            say(Remark::Warning(format!(
+                "the light is {:.1} % {than} at both ends of the edge than in the middle, as through a lens with dark corners: if it \
+                 is bent across the edge, too, lengths are wrong beyond their intervals; `white_photo` takes it out",
+                100.0 * bent.abs()
+            )));
+        }
         let (Scale::Reflectance(white), Some([x0, y0, x1, y1])) = (scale, self.options.white) else {
             return scale;
         };
@@ -266,7 +283,7 @@ impl Experiment {
             .flatten()
             .for_each(|v| v.iter_mut().zip(light).for_each(|(v, light)| *v *= light));
         let error = std::array::from_fn(|c| {
-            let SlopeAlong { slope, error } = slopes[c];
+            let SlopeAlong { slope, error, .. } = slopes[c];
             // Of the slope, and of the square that an exponential has beside a straight line
             white.error[c].hypot(error * along / light[c]).hypot(0.5 * (slope * along).powi(2))
         });
