@@ -17,7 +17,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-fit", 1200),
     ("translucid-image", 800),
     ("translucid-laboratory", 4200),
-    ("translucid-load", 11200),
+    ("translucid-load", 11330),
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 4700),
