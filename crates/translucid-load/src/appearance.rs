@@ -79,7 +79,7 @@ pub(super) fn warn_of_darkened(model: &MeshFile, path: &Path, warnings: &mut Vec
         true => ", and is a metal",
         false => "",
     };
-    let message = format!("{which} by {}{metal}: so the file has it", factor(first));
+    let message = format!("{which} by {}{metal}, as the file says: is that meant?", factor(first));
     warnings.push(Warning { message, place: Some(Place::file(path)) });
 }
 
@@ -141,7 +141,9 @@ mod tests {
         let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
         assert_eq!(
             lines,
-            ["a.obj: 2 materials, \"m\" and others, multiply their pictures by 0.4: so the file has it"]
+            [
+                "a.obj: 2 materials, \"m\" and others, multiply their pictures by 0.4, as the file says: is that meant?"
+            ]
         );
     }
 }

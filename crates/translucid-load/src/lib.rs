@@ -41,6 +41,7 @@ mod stage;
 mod still_life;
 mod stl;
 mod toml;
+mod vertex_colors;
 mod viewpoint;
 mod watch;
 mod weld;

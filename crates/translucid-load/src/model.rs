@@ -38,9 +38,39 @@ pub(crate) fn is_gltf(path: &Path) -> bool {
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
 pub(crate) fn load_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
-    let mut model = read_model(path, loading)?;
+    let mut model = read_model(path, loading).map_err(|error| with_hint(error, path, loading))?;
     settle(&mut model);
     Ok(model)
+}
+
+/// The error with the format that the file is of, if its name says another.
+fn with_hint(error: SceneError, path: &Path, loading: &mut Loading<'_>) -> SceneError {
+    let named = extension(path);
+    let bytes = if is_mesh(path) { loading.read(path).unwrap_or_default() } else { Vec::new() };
+    match format_of(&bytes) {
+        Some(format) if format != named && error.help.is_none() => {
+            error.with_help(format!("the file begins as a .{format} file does: rename it, if it is one"))
+        }
+        _ => error,
+    }
+}
+
+/// The format of a mesh file by its first bytes.
+fn format_of(bytes: &[u8]) -> Option<&'static str> {
+    let text = bytes.trim_ascii_start();
+    let first_word = |line: &[u8]| {
+        let line = line.trim_ascii();
+        line[..line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len())].to_ascii_lowercase()
+    };
+    let mut words = text.split(|&byte| byte == b'\n').map(first_word);
+    match &words.find(|word| !word.is_empty() && !word.starts_with(b"#"))?[..] {
+        b"ply" => Some("ply"),
+        b"solid" => Some("stl"),
+        b"v" | b"vn" | b"vt" | b"mtllib" | b"o" | b"g" | b"usemtl" => Some("obj"),
+        _ if bytes.starts_with(b"glTF") => Some("glb"),
+        _ if text.starts_with(b"{") => Some("gltf"),
+        _ => None,
+    }
 }
 
 fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
@@ -101,6 +131,26 @@ fn add_picture(model: &mut MeshFile, picture: &Path, path: &Path, loading: &mut 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn meshes_of_a_wrong_extension_are_told_their_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let help = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            load_model(&path, &mut Loading::unwatched(&mut Vec::new())).unwrap_err().help.unwrap_or_default()
+        };
+        let obj = b"# made here\r\n\r\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let told =
+            |format: &str| format!("the file begins as a .{format} file does: rename it, if it is one");
+        assert_eq!(help("a.stl", obj), told("obj"));
+        assert_eq!(help("a.obj", b"ply\r\nformat ascii 1.0\n"), told("ply"));
+        assert_eq!(help("b.obj", b"glTF\x02\0\0\0"), told("glb"));
+        assert_eq!(help("c.obj", b"{ \"asset\": {} }"), told("gltf"));
+        assert_eq!(help("a.ply", b"Solid a\nfacet normal 0 0 1\n"), told("stl"));
+        assert_eq!(help("d.obj", b"v 0 0 0\n"), "");
+        assert_eq!(help("a.obj", b"\x89PNG"), "");
+    }
 
     /// As MeshLab names it.
     #[test]

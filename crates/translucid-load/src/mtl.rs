@@ -60,7 +60,7 @@ impl ImagePool {
 /// | MTL | material |
 /// |---|---|
 /// | Kd, map_Kd | `base_color`; a map alone is not darkened: Blender leaves out Kd beside it; nor is one beside a black Kd, which Maya writes |
-/// | Ks, map_Ks | `specular_color`, and `specular_weight` = 2 max Ks, at most 1: ½ is what exporters write for an ordinary dielectric |
+/// | Ks, map_Ks | `specular_color`, and `specular_weight` = 2 max Ks, at most 1: ½ is what exporters write for an ordinary dielectric; above ½ beside a black Kd a metal of that color in the models that reflect (illum 3, 5, 8) |
 /// | Ns | `specular_roughness` = (2/(Ns + 2))^¼ (B. Walter et al. 2007, equation 35 and below: the width is its square) |
 /// | Pr, map_Pr, Pm, map_Pm, Pc, Pcr | `specular_roughness`, `base_metalness`, `coat_weight`, `coat_roughness` |
 /// | Ni | `specular_ior` |
@@ -78,6 +78,7 @@ pub(super) fn parse_mtl(
     pool: &mut ImagePool,
     loading: &mut Loading<'_>,
 ) -> Result<Vec<Material>, SceneError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut materials: Vec<Draft> = Vec::new();
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let place = Place::line(path, number + 1);
@@ -104,6 +105,8 @@ struct Notes {
     black: Vec<String>,
     transparent: Vec<String>,
     glass: Vec<String>,
+    ambient: Vec<String>,
+    mirrors: Vec<String>,
 }
 
 impl Notes {
@@ -127,6 +130,14 @@ impl Notes {
             &self.glass,
             "illum 6 or 7 of NAME is refraction, but Kd is not black and there is no d: taken as opaque (d 0 is glass)",
         );
+        warn(
+            &self.ambient,
+            "Ka and map_Ka of NAME are left out, and there is neither Kd nor map_Kd: the color is gray, 0.8",
+        );
+        warn(
+            &self.mirrors,
+            "NAME reflects by illum, with a black Kd and a bright Ks: it is taken for a metal of the color Ks",
+        );
     }
 }
 
@@ -139,6 +150,10 @@ struct Draft {
     transmission_color: Vec3,
     illumination: u32,
     has_color: bool,
+    /// Ka above black, or map_Ka.
+    has_ambient: bool,
+    /// Ks.
+    highlight: Vec3,
     has_roughness: bool,
     has_index: bool,
 }
@@ -152,6 +167,8 @@ impl Draft {
             transmission_color: Vec3::ONE,
             illumination: 2,
             has_color: false,
+            has_ambient: false,
+            highlight: Vec3::ZERO,
             has_roughness: false,
             has_index: false,
         }
@@ -191,6 +208,20 @@ impl Draft {
                 opacity = 1.0;
             }
         }
+        if self.has_ambient && !self.has_color && self.material.base_color.texture.is_none() {
+            notes.ambient.push(self.material.name.clone());
+        }
+        // Models that reflect Ks of what is around, which at all angles only metals do
+        let is_mirror = matches!(self.illumination, 3 | 5 | 8)
+            && is_black
+            && self.material.base_color.texture.is_none()
+            && self.highlight.max_element() > 0.5;
+        if is_mirror {
+            notes.mirrors.push(self.material.name.clone());
+            self.material.base_color = ColorInput::constant(self.highlight);
+            self.material.base_metalness = ScalarInput::constant(1.0);
+            self.material.specular_color = ColorInput::constant(Vec3::ONE);
+        }
         self.material.geometry_opacity.factor = opacity;
         self.material
     }
@@ -214,9 +245,15 @@ impl LineReader<'_, '_> {
             "ks" => {
                 let mut color = Vec3::ZERO;
                 self.color(rest, Interval::UNIT, &mut color)?;
+                draft.highlight = color;
                 let strength = color.max_element();
                 material.specular_weight.factor = (2.0 * strength).min(1.0);
                 material.specular_color.factor = if strength > 0.0 { color / strength } else { Vec3::ONE };
+            }
+            "ka" => {
+                let mut color = Vec3::ZERO;
+                self.color(rest, Interval::UNIT, &mut color)?;
+                draft.has_ambient |= color != Vec3::ZERO;
             }
             "ke" => {
                 let mut color = Vec3::ZERO;
@@ -300,7 +337,11 @@ impl LineReader<'_, '_> {
             "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => {
                 ImageKind::Plain(ColorSpace::Linear)
             }
-            "map_ka" => return, // Ambient light is what the renderer computes.
+            // Ambient light is what the renderer computes
+            "map_ka" => {
+                draft.has_ambient = true;
+                return;
+            }
             _ => return self.warn(format!("{keyword} has no counterpart: passed over")),
         };
         let mut options = MapOptions::parse(rest);
@@ -396,7 +437,7 @@ impl MapOptions {
                 "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-type" => drop(words.next()),
                 _ => {
                     let name: Vec<&str> = std::iter::once(word).chain(words).collect();
-                    options.file = name.join(" ");
+                    options.file = name.join(" ").trim_matches('"').to_owned();
                     break;
                 }
             }
@@ -499,6 +540,35 @@ mod tests {
             let m = material(lines);
             assert_eq!((m.specular_roughness.factor, m.base_metalness.factor), (0.7, 1.0));
             assert_eq!((m.coat_weight.factor, m.coat_roughness.factor), (0.5, 0.1));
+        }
+    }
+
+    /// A chrome ball is Kd 0, Ks 1: as a dielectric it would be black.
+    #[test]
+    fn mtl_takes_black_with_a_bright_highlight_for_a_metal() {
+        let (materials, warnings) = parsed("newmtl m\nKd 0 0 0\nKs 1 .8 .2\nNs 900\nillum 3\n").unwrap();
+        let m = &materials[0];
+        assert_eq!((m.base_metalness.factor, m.base_color.factor), (1.0, Vec3::new(1.0, 0.8, 0.2)));
+        assert!(
+            warnings.contains("material \"m\" reflects by illum, with a black Kd and a bright Ks"),
+            "{warnings}"
+        );
+        for plain in
+            ["Kd 0 0 0\nKs .5 .5 .5\nillum 3\n", "Kd .1 .1 .1\nKs 1 1 1\nillum 3\n", "Kd 0 0 0\nKs 1 1 1\n"]
+        {
+            assert_eq!(material(plain).base_metalness.factor, 0.0, "{plain}");
+        }
+    }
+
+    #[test]
+    fn mtl_tells_of_a_color_that_is_ambient_only() {
+        for lines in ["Ka .5 .2 .1\n", "map_Ka grey.png\n"] {
+            let (file, warnings) = loaded(lines);
+            assert_eq!(file.materials[0].base_color.factor, Vec3::splat(0.8));
+            assert!(warnings.contains("neither Kd nor map_Kd: the color is gray, 0.8"), "{warnings}");
+        }
+        for lines in ["Ka 0 0 0\n", "Ka 1 1 1\nKd .5 .5 .5\n", "Ka 1 1 1\nmap_Kd \"blue ish.png\"\n"] {
+            assert_eq!(loaded(lines).1, "");
         }
     }
 

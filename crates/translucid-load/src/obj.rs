@@ -15,6 +15,7 @@ use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::stem;
 use crate::loading::Loading;
 use crate::origin::Anchor;
+use crate::vertex_colors::white_of;
 use crate::weld::{Corner, NONE, Tables, Welder};
 use crate::winding::{reversed, warn_of_turned};
 
@@ -26,7 +27,8 @@ use crate::winding::{reversed, warn_of_turned};
 /// than 60°.
 /// Triangles of a closed body that wind the other way than the rest are turned, with a warning.
 /// Vertex colors (`v x y z r g b` and perhaps an opacity, which is passed over) are sRGB, as MeshLab and trimesh write
-/// them; those from 0 to 255 are known by a value above 1.
+/// them; those from 0 to 255 are known by a value above 2.
+/// ZBrush writes them as comments, `#MRGB MMRRGGBB…`, behind the vertices.
 /// Lines, curves and free-form surfaces are passed over.
 /// A library, material or image that is missing adds a warning.
 ///
@@ -50,6 +52,7 @@ pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
 }
 
 fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut file = ObjFile::default();
     let mut joined = Vec::new();
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -92,6 +95,9 @@ struct ObjFile {
     /// Where the positions are counted from.
     anchor: Anchor,
     faces: Vec<Faces>,
+    /// The first vertex since the last face, to which ZBrush's colors belong.
+    first_painted: usize,
+    is_after_faces: bool,
     smoothing: Smoothing,
     /// Number of each part in `faces`.
     numbers: HashMap<(String, Option<String>), usize>,
@@ -151,6 +157,10 @@ impl ObjFile {
                 self.libraries.push((number, name(rest)));
                 Ok(())
             }
+            b"#MRGB" => {
+                self.read_painted(rest.trim_ascii());
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
@@ -168,8 +178,23 @@ impl ObjFile {
             colors.resize(positions.len(), Vec3::ONE);
             colors.push(DVec3::from_slice(&v[3..6]).as_vec3());
         }
+        if std::mem::take(&mut self.is_after_faces) {
+            self.first_painted = positions.len();
+        }
         positions.push(self.anchor.relative(DVec3::from_slice(&v)));
         Ok(())
+    }
+
+    /// Colors of the next vertices without one, each a mask, red, green and blue of two hexadecimal digits.
+    fn read_painted(&mut self, rest: &[u8]) {
+        let digits = |word: &[u8]| u32::from_str_radix(str::from_utf8(word).ok()?, 16).ok();
+        let colors = rest.as_chunks::<8>().0.iter().map_while(|word| digits(word));
+        let linear = |color: u32| Vec3::from([16, 8, 0].map(|shift| (color >> shift & 255) as f32 / 255.0));
+        let Self { tables, first_painted, .. } = self;
+        if tables.colors.len() < *first_painted {
+            tables.colors.resize(*first_painted, Vec3::ONE);
+        }
+        tables.colors.extend(colors.map(linear));
     }
 
     fn read_face(&mut self, rest: &[u8], line: usize) -> Result<(), String> {
@@ -189,6 +214,7 @@ impl ObjFile {
             faces.smoothing.resize(faces.triangles.len(), self.smoothing);
         }
         self.polygon = polygon;
+        self.is_after_faces = true;
         Ok(())
     }
 
@@ -328,15 +354,8 @@ impl ObjFile {
     /// Colors as they are meant.
     fn convert_colors(&mut self, path: &Path, warnings: &mut Vec<Warning>) {
         let colors = &mut self.tables.colors;
-        let largest = colors.iter().fold(0.0, |largest: f32, color| largest.max(color.max_element()));
-        let is_of_bytes = largest > 1.0;
-        if is_of_bytes {
-            let message =
-                format!("vertex colors reach {largest}, so they are taken for values from 0 to 255");
-            warnings.push(Warning { message, place: Some(Place::file(path)) });
-        }
-        let scale = if is_of_bytes { 255.0 } else { 1.0 };
-        let linear = |value: f32| linear_from_srgb((value / scale).clamp(0.0, 1.0));
+        let white = white_of(colors, &Place::file(path), warnings);
+        let linear = |value: f32| linear_from_srgb((value / white).clamp(0.0, 1.0));
         colors.iter_mut().for_each(|color| *color = color.map(linear));
     }
 
@@ -574,6 +593,27 @@ mod tests {
         let colors = &scene.objects[0].mesh.colors;
         assert!(colors.iter().zip(expected).all(|(a, b)| a.distance(b) < 5e-3), "{colors:?}");
         assert!(warnings.contains("vertex colors reach 255, so they are taken for values from 0 to 255"));
+        let rounded = mesh("v 0 0 0 1.004 .5 0\nv 1 0 0 0 .25 0\nv 0 1 0 1 1 1\nf 1 2 3\n");
+        assert_eq!(rounded.colors, expected);
+    }
+
+    /// ZBrush writes 64 colors a line, for each of its tools behind its vertices.
+    #[test]
+    fn obj_reads_polypaint() {
+        let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        let text = format!(
+            "{corners}#MRGB ffff0000ff00ff00\n#MRGB 000000ff\n# End of MRGB block\nf 1 2 3\n\
+             {corners}f 4 5 6\n{corners}#MRGB ffff0000ffff0000ffff0000\nf 7 8 9\n"
+        );
+        let colors: Vec<Vec3> =
+            [Vec3::X, Vec3::Y, Vec3::Z].into_iter().chain([Vec3::ONE; 3]).chain([Vec3::X; 3]).collect();
+        assert_eq!(mesh(&text).colors, colors);
+        assert_eq!(mesh(&format!("{corners}#MRGB block of colors\nf 1 2 3\n")).colors, []);
+    }
+
+    #[test]
+    fn obj_may_begin_with_a_byte_order_mark() {
+        assert_eq!(mesh("\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").positions.len(), 3);
     }
 
     /// Faces of a cube, with a line before each.

@@ -46,7 +46,8 @@ impl AlternativeModel {
         (decided > DECIDED * self.misfit.max(1.0)).then(|| {
             Remark::Warning(format!(
                 "{}, no solution of the equation of transfer, explains the light better than a half space or slab of \
-                 isotropic scatterers: the piece is not one, or the light is not as `configuration` says",
+                 isotropic scatterers: the piece is not one, the light is not as `configuration` says, or it is bent by a close lamp \
+                 or a lens with dark corners",
                 self.name
             ))
         })

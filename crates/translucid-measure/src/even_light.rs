@@ -10,7 +10,12 @@ pub(crate) struct SlopeAlong {
     pub(crate) slope: f64,
     /// Its standard error.
     pub(crate) error: f64,
+    /// How much brighter it is at the ends than in the middle, beyond a straight line; 0 where noise hides it.
+    pub(crate) bend: f64,
 }
+
+/// Standard errors from which on a bend is one.
+const SURE: f64 = 4.0;
 
 /// Standard error of the slope by medians over that by least squares, whose efficiency is 64 % for normal residuals.
 const OF_MEDIANS: f64 = 1.25;
@@ -48,9 +53,24 @@ fn slope_of(factors: &[(f64, f64)]) -> SlopeAlong {
     let left: f64 = factors.iter().map(|(x, y)| (y - height - slope * x).powi(2)).sum();
     let error = OF_MEDIANS * (left / (factors.len() as f64 - 2.0) / spread).sqrt();
     if !(slope.is_finite() && error.is_finite()) {
-        return SlopeAlong { slope: 0.0, error: 0.0 };
+        return SlopeAlong { slope: 0.0, error: 0.0, bend: 0.0 };
     }
-    SlopeAlong { slope: slope / height, error }
+    let bend = bend_of(factors.iter().map(|(x, y)| (*x, (y - slope * x) / height)));
+    SlopeAlong { slope: slope / height, error, bend }
+}
+
+/// Change from the middle to the ends by the parabola through values around 1, at places around 0; 0 where noise hides it.
+fn bend_of(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut squares: Vec<(f64, f64)> = values.map(|(x, y)| (x * x, y)).collect();
+    let count = squares.len() as f64;
+    let [mean_x, mean_y] = [squares.iter().map(|v| v.0).sum::<f64>(), squares.iter().map(|v| v.1).sum()];
+    let farthest = squares.iter().map(|v| v.0).fold(0.0, f64::max);
+    squares.iter_mut().for_each(|(x, y)| (*x, *y) = (*x - mean_x / count, *y - mean_y / count));
+    let spread: f64 = squares.iter().map(|(x, _)| x * x).sum();
+    let bend = squares.iter().map(|(x, y)| x * y).sum::<f64>() / spread;
+    let left: f64 = squares.iter().map(|(x, y)| (y - bend * x).powi(2)).sum();
+    let error = (left / (count - 2.0) / spread).sqrt();
+    if bend.abs() > SURE * error { bend * farthest } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -71,10 +91,24 @@ mod tests {
             Samples { blocks: (0..24).map(block).collect(), pixel_width: 1.0, along: [-6.0, 6.0], places };
         let slopes = samples.even_out_along();
         assert!((slopes[1].slope - 0.3 / 12.0).abs() < 1e-3, "{slopes:?}");
+        assert_eq!(slopes[1].bend, 0.0);
         for b in [0, 12, 23] {
             for (x, v) in samples.places.iter().zip(&samples.blocks[b]) {
                 assert!((v[0] - light(*x)).abs() < 3e-3, "{b}: {x} {v:?}");
             }
         }
+    }
+
+    /// Dark corners of a lens, beside a slope of the light.
+    #[test]
+    fn bend_along_is_seen_beside_noise() {
+        let mut random = translucid_testing::SplitMix(1);
+        let mut factors = |bend: f64| -> Vec<(f64, f64)> {
+            let mut at = |x: f64| 1.0 + 0.1 * x + bend * x * x + 0.004 * (random.uniform() - 0.5);
+            (0..24).map(|i| (f64::from(i) + 0.5) / 12.0 - 1.0).map(|x| (x, at(x))).collect()
+        };
+        let dark = slope_of(&factors(-0.03)).bend;
+        assert!((dark + 0.03 * 0.92).abs() < 0.003, "{dark}");
+        assert_eq!(slope_of(&factors(0.0)).bend, 0.0);
     }
 }

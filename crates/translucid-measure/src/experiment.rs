@@ -36,6 +36,12 @@ use crate::unknown_albedo::widen_by_albedo;
 /// Change of the light along the edge, over that in the middle, from which on it is said.
 const UNEVEN_ALONG: f64 = 0.05;
 
+/// Bend of the light along the edge, from its middle to its ends, from which on one across it makes lengths wrong.
+const BENT_ALONG: f64 = 0.01;
+
+/// Widths of what photographs show \[mm\], beyond which the scale is doubted.
+const USUAL_WIDTHS: std::ops::RangeInclusive<f64> = 0.2..=2000.0;
+
 /// Least pixels on a side of the part that is measured.
 const LEAST_REGION: usize = 16;
 
@@ -118,6 +124,7 @@ impl Experiment {
         self.check(&photographs)?;
         let has_white = self.options.white.is_some() || photographs.white.is_some();
         let calibrated = self.calibrate(photographs, say)?;
+        self.doubt_of_scale(calibrated.photo.photo.width).into_iter().for_each(&mut *say);
         let scale =
             if has_white { self.white_scale(&calibrated)? } else { self.options.scale_without_white()? };
         let (trace, samples, scale, mut fit) = self.fit(&calibrated, scale, say)?;
@@ -144,6 +151,17 @@ impl Experiment {
             alternative,
             limits,
         })
+    }
+
+    /// A warning if the photograph shows what is too large or too small for a table with a lamp.
+    fn doubt_of_scale(&self, pixels: usize) -> Option<Remark> {
+        let width = self.mm_per_pixel * pixels as f64;
+        let message = format!(
+            "the photograph is {} mm wide, by {} mm a pixel: is the scale in millimeters?",
+            three_digits(width),
+            three_digits(self.mm_per_pixel)
+        );
+        (!USUAL_WIDTHS.contains(&width)).then_some(Remark::Warning(message))
     }
 
     /// Refuses photographs that do not go together, or with the options.
@@ -252,6 +270,20 @@ impl Experiment {
                 100.0 * most
             )));
         }
+        let bent = slopes.iter().map(|along| {
+            // What an exponential has beside a straight line is in the intervals
+            let square = 0.125 * (along.slope * (last - first)).powi(2);
+            if along.bend.abs() > 2.0 * square { along.bend } else { 0.0 }
+        });
+        let bent = bent.fold(0.0, |most: f64, bend| if bend.abs() > most.abs() { bend } else { most });
+        if bent.abs() > BENT_ALONG {
+            let than = if bent < 0.0 { "darker" } else { "brighter" };
+            say(Remark::Warning(format!(
+                "the light is {:.1} % {than} at both ends of the edge than in the middle, as through a lens with dark corners: if it \
+                 is bent across the edge, too, lengths are wrong beyond their intervals; `white_photo` takes it out",
+                100.0 * bent.abs()
+            )));
+        }
         let (Scale::Reflectance(white), Some([x0, y0, x1, y1])) = (scale, self.options.white) else {
             return scale;
         };
@@ -266,7 +298,7 @@ impl Experiment {
             .flatten()
             .for_each(|v| v.iter_mut().zip(light).for_each(|(v, light)| *v *= light));
         let error = std::array::from_fn(|c| {
-            let SlopeAlong { slope, error } = slopes[c];
+            let SlopeAlong { slope, error, .. } = slopes[c];
             // Of the slope, and of the square that an exponential has beside a straight line
             white.error[c].hypot(error * along / light[c]).hypot(0.5 * (slope * along).powi(2))
         });
@@ -369,4 +401,22 @@ fn describe_outline(fit: &Fit) -> Remark {
             three_digits(fit.blur)
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_of_what_no_table_holds_are_doubted() {
+        let doubt = |mm: f64| {
+            let options = Options { mm_per_pixel: Some(mm), surface_albedo: vec![0.8], ..Options::default() };
+            Experiment::new(options).unwrap().doubt_of_scale(240)
+        };
+        assert_eq!(doubt(0.125), None);
+        let message =
+            "the photograph is 30000 mm wide, by 125 mm a pixel: is the scale in millimeters?".to_owned();
+        assert_eq!(doubt(125.0), Some(Remark::Warning(message)));
+        assert!(doubt(0.000_125).is_some());
+    }
 }

@@ -16,6 +16,7 @@ use super::number::NumberType;
 use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::read_file;
 use crate::origin::{Anchor, in_file_coordinates};
+use crate::vertex_colors::white_of;
 use crate::weld::{Corner, NONE, Tables, Welder, distinct};
 use crate::winding::{orient, warn_of_turned};
 
@@ -25,7 +26,8 @@ use crate::winding::{orient, warn_of_turned};
 /// (texture_u, texture_v), (texture_s, texture_t), and red green blue; of element `face` the list
 /// `vertex_indices` or `vertex_index`, the list `texcoord` of its corners' texture coordinates, and red green blue;
 /// instead of faces the lists of strips of element `tristrips`; all in any of the format's types.
-/// Integer colors are sRGB, float colors linear; those of vertices count before those of faces.
+/// Integer colors are sRGB, and so are floats from 0 to 255, known by a value above 2; other float colors are linear.
+/// Those of vertices count before those of faces.
 /// Everything else is passed over.
 /// Polygons are cut into triangles; triangles of a closed body that wind the other way than the rest are turned, with a
 /// warning.
@@ -71,6 +73,14 @@ pub(crate) fn read_ply(
     }?;
     let place = Place::file(path);
     warn_of_lost(&faces, &place, warnings);
+    // Those of integers are from 0 to 1 by now
+    for colors in [&mut mesh.colors, &mut faces.colors] {
+        let white = white_of(colors, &place, warnings);
+        if white > 1.0 {
+            let linear = |value: f32| linear_from_srgb((value / white).clamp(0.0, 1.0));
+            colors.iter_mut().for_each(|color| *color = color.map(linear));
+        }
+    }
     mesh.triangles = match faces.uvs.is_empty() {
         true => std::mem::take(&mut faces.triangles),
         false => faces.triangles.clone(),
@@ -428,6 +438,25 @@ mod tests {
         let data = "0 0 0 1 .5 0\n1 0 0 1 .5 0\n1 1 0 1 .5 0\n0 1 0 1 .5 2\n3 0 1 2\n3 0 2 3\n";
         let (mesh, _) = parsed(&file("ascii", &vertex, LIST_LINE, data.as_bytes())).unwrap();
         assert_eq!(mesh.colors[3], Vec3::new(1.0, 0.5, 2.0));
+    }
+
+    #[test]
+    fn ply_takes_floats_from_0_to_255_as_integers() {
+        let floats = "property float red\nproperty float green\nproperty float blue\n";
+        let bytes = floats.replace("float", "uchar");
+        let told = "a.ply: vertex colors reach 255, so they are taken for values from 0 to 255";
+        let of_vertices = "0 0 0 255 128 0\n1 0 0 0 64 9\n1 1 0 1 1 1\n0 1 0 0 0 0\n3 0 1 2\n3 0 2 3\n";
+        let of_faces = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 128 0\n3 0 2 3 0 64 9\n";
+        for (vertex, face, data) in [(true, false, of_vertices), (false, true, of_faces)] {
+            let lines =
+                |first: &str, colors: &str, has: bool| format!("{first}{}", if has { colors } else { "" });
+            let of = |colors: &str| {
+                let vertex = lines(POSITION_LINES, colors, vertex);
+                parsed(&file("ascii", &vertex, &lines(LIST_LINE, colors, face), data.as_bytes())).unwrap()
+            };
+            let ((a, warnings), (b, _)) = (of(floats), of(&bytes));
+            assert_eq!((a, warnings.as_str()), (b, told));
+        }
     }
 
     #[test]

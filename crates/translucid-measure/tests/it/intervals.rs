@@ -4,7 +4,7 @@
 mod synthetic;
 
 use synthetic::{ExactEdges, PIXEL, Synthetic};
-use translucid_measure::{Experiment, Options};
+use translucid_measure::{Experiment, Options, Photo, Remark};
 use translucid_testing::{SplitMix, power};
 
 /// Of 72 intervals of ℓ and of A in 24 photographs each, at most 12 miss the truth.
@@ -51,4 +51,31 @@ fn intervals_without_white_hold_any_surface_albedo() {
         assert!(low < truth && truth < high && high > 2.0 * low, "{channel:?} {truth}");
         assert_eq!(channel.surface_albedo, None);
     }
+}
+
+/// A lens whose corners get 20 % less light, in a photograph of 192 × 144 pixels or so.
+#[test]
+fn dark_corners_are_told_of() {
+    let (edges, mut random) = (ExactEdges::new(), SplitMix(5));
+    let synthetic = Synthetic::new(&edges, &mut random);
+    let options = Options { mm_per_pixel: Some(PIXEL), white: Some(synthetic.white), ..Options::default() };
+    let told = |darkening: f32| {
+        let mut photographs = synthetic.photographs.clone();
+        let photo = &photographs.photo.photo;
+        let [width, height] = [photo.width, photo.height];
+        let light = |x: usize, y: usize| {
+            let [u, v] = [(x, width), (y, height)].map(|(i, n)| 2.0 * (i as f32 + 0.5) / n as f32 - 1.0);
+            1.0 - darkening * (u * u + v * v) / 2.0
+        };
+        photographs.photo.photo =
+            Photo::from_fn(width, height, |x, y| photo.pixels[y * width + x].map(|v| v * light(x, y)));
+        let mut remarks = Vec::new();
+        let mut say = |remark| remarks.push(remark);
+        Experiment::new(options.clone()).unwrap().measure(photographs, &mut say).unwrap();
+        remarks
+            .iter()
+            .any(|remark| matches!(remark, Remark::Warning(text) if text.contains("dark corners: if it")))
+    };
+    assert!(told(0.2));
+    assert!(!told(0.0));
 }

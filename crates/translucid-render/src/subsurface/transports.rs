@@ -79,7 +79,7 @@ impl Transports {
             if length(0.0) != Vec3::ZERO && length(nearest) == Vec3::ZERO {
                 let message = format!(
                     "object {} is {nearest} {} from the scene's origin, where single precision does not resolve so short a \
-                     mean free path: it is rendered as Lambertian; put the camera near it, or the origin",
+                     mean free path: it is rendered as Lambertian; aim the camera at it, which moves the origin there",
                     object.name,
                     scene.unit.name()
                 );
