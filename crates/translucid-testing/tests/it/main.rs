@@ -1,6 +1,7 @@
 //! The order of the code: what imports what, in every crate, and which crates come from elsewhere; and that of the book:
 //! which command writes a table.
 
+mod book;
 mod budget;
 mod circles;
 mod dependencies;
