@@ -25,9 +25,9 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
     if !metadata.is_file() {
         return Err(failure(String::from("not a file")));
     }
-    // What is read and what becomes of it are there at the same time: of text of quadrilaterals nine times its size. Asked
+    // What is read and what becomes of it are there at the same time: of text of quadrilaterals twelve times its size. Asked
     // for and given back, as a loader that finds no memory on its way could only end the process
-    let needed = usize::try_from(metadata.len()).unwrap_or(usize::MAX).saturating_mul(10);
+    let needed = usize::try_from(metadata.len()).unwrap_or(usize::MAX).saturating_mul(13);
     if Vec::<u8>::new().try_reserve_exact(needed).is_err() {
         let mebibytes = needed as f64 / f64::from(1 << 20);
         let reason = format!("that takes about {mebibytes:.0} MiB of memory, which this process cannot have");
