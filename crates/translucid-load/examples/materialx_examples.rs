@@ -61,7 +61,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What is not read of a document's materials.
+/// Lists the inputs of a document's materials that are not read.
 fn read(bytes: &[u8], path: &Path) -> String {
     let text = String::from_utf8_lossy(bytes);
     let mut found = Vec::new();

@@ -122,7 +122,7 @@ fn files_without_a_verb_get_a_hint() {
     assert!(message.contains("'render'"), "{message}");
 }
 
-/// What the text's own lines break is not broken again.
+/// The terminal's width alone breaks a paragraph, not the lines of the program's text besides.
 #[test]
 fn paragraphs_of_help_are_wrapped_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -16,7 +16,7 @@ pub(super) const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_c
 /// The bytes of every buffer.
 pub(super) struct Buffers<'a> {
     contents: Vec<Cow<'a, [u8]>>,
-    /// Those of the views that are compressed, by their number.
+    /// Decompressed bytes of the views that are compressed, by the view's number.
     decoded: HashMap<usize, Vec<u8>>,
 }
 

@@ -212,7 +212,7 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
     pub(super) skin: Option<usize>,
-    /// Those of the mesh's morph targets, in place of its own.
+    /// Weights of the mesh's morph targets at this node, in place of the mesh's own.
     pub(super) weights: Option<Vec<f64>>,
     pub(super) matrix: Option<[f64; 16]>,
     #[serde(default)]

@@ -65,7 +65,7 @@ pub(super) enum Samples {
 /// The curves and primaries of a file's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Encoding {
-    /// What messages call it.
+    /// Name of the encoding in messages.
     pub(super) name: String,
     pub(super) curves: [Curve; 3],
     /// From linear channels to linear Rec. 709.
@@ -78,7 +78,7 @@ impl Encoding {
         Self { name: name.into(), curves, to_rec_709: primaries.to_rec_709() }
     }
 
-    /// The same primaries with another curve.
+    /// Replaces the curve of every channel and keeps the primaries.
     pub(super) fn with_curve(self, curve: &Curve) -> Self {
         Self { curves: [(); 3].map(|()| curve.clone()), ..self }
     }
@@ -99,9 +99,10 @@ impl Encoding {
             Samples::Byte(pixels) => self.decode_codes(pixels, u8::MAX.into()),
             Samples::Short(pixels) => self.decode_codes(pixels, u16::MAX),
             Samples::Float(pixels) => {
+                let mixing = self.mixing();
                 let light = |&[r, g, b, alpha]: &[f32; 4]| {
                     let codes = [r, g, b];
-                    self.mixed(std::array::from_fn(|c| self.curves[c].light(codes[c])), alpha)
+                    mixed(mixing, std::array::from_fn(|c| self.curves[c].light(codes[c])), alpha)
                 };
                 pixels.par_iter().map(light).collect()
             }
@@ -115,19 +116,24 @@ impl Encoding {
             .into_par_iter()
             .map(|code| std::array::from_fn(|c| self.curves[c].light(part(code))))
             .collect();
+        let mixing = self.mixing();
         let decoded = |pixel: &[T; 4]| {
             let [r, g, b, alpha] = pixel.map(Into::<u16>::into);
             let light = |code: u16, channel: usize| table[usize::from(code)][channel];
-            self.mixed([light(r, 0), light(g, 1), light(b, 2)], part(alpha))
+            mixed(mixing, [light(r, 0), light(g, 1), light(b, 2)], part(alpha))
         };
         pixels.par_iter().map(decoded).collect()
     }
 
-    fn mixed(&self, light: [f32; 3], alpha: f32) -> [f32; 4] {
-        let [r, g, b] = match self.is_rec_709() {
-            true => light,
-            false => (self.to_rec_709 * DVec3::from(light.map(f64::from))).as_vec3().to_array(),
-        };
-        [r, g, b, alpha]
+    /// The matrix to linear Rec. 709, unless the channels are that.
+    fn mixing(&self) -> Option<DMat3> {
+        (!self.is_rec_709()).then_some(self.to_rec_709)
     }
+}
+
+/// A pixel whose light is mixed by a matrix, if there is one.
+fn mixed(mixing: Option<DMat3>, light: [f32; 3], alpha: f32) -> [f32; 4] {
+    let mixed = |matrix: DMat3| (matrix * DVec3::from(light.map(f64::from))).as_vec3().to_array();
+    let [r, g, b] = mixing.map_or(light, mixed);
+    [r, g, b, alpha]
 }

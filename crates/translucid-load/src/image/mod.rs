@@ -250,7 +250,7 @@ impl Reading<'_> {
         (Pixels::Float(pixels), ColorSpace::Linear)
     }
 
-    /// Warns where a photograph's bytes are decoded, and where what is clipped no longer shows in other primaries.
+    /// Warns of a photograph whose bytes are decoded, and of clipped values that a change of primaries hides.
     fn check_photograph(&mut self, samples: &Samples, name: &str, is_mixed: bool) {
         if self.used_as != Use::Photograph {
             return;
