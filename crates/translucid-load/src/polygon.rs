@@ -34,10 +34,18 @@ pub(super) fn triangulate<T: Copy>(
     mut emit: impl FnMut([T; 3]),
 ) {
     if let [a, b, c] = *vertices {
-        return emit([a, b, c]); // Most polygons of most files.
+        return emit([a, b, c]);
     }
-    let corners: Vec<DVec3> =
-        vertices.iter().map(|&vertex| position(vertex).unwrap_or_default().as_dvec3()).collect();
+    let place = |&vertex: &T| position(vertex).unwrap_or_default().as_dvec3();
+    let emit = |triangle: Triangle| emit(triangle.map(|i| vertices[i as usize]));
+    // Without memory of its own: most polygons of most files have four corners
+    if let [a, b, c, d] = vertices {
+        let (corners, fan) = ([a, b, c, d].map(place), [[0, 1, 2], [0, 2, 3]]);
+        if covers(&fan, &corners, newell_normal(&corners)) {
+            return fan.into_iter().for_each(emit);
+        }
+    }
+    let corners: Vec<DVec3> = vertices.iter().map(place).collect();
     let normal = newell_normal(&corners);
     let count = corners.len() as u32;
     let mut triangles: Vec<Triangle> = (2..count).map(|i| [0, i - 1, i]).collect();
@@ -48,7 +56,7 @@ pub(super) fn triangulate<T: Copy>(
     if !covers(&triangles, &corners, normal) {
         triangles = clip_ears(&corners, normal).unwrap_or(triangles);
     }
-    triangles.into_iter().for_each(|triangle| emit(triangle.map(|i| vertices[i as usize])));
+    triangles.into_iter().for_each(emit);
 }
 
 /// Normal times twice the area (M. E. Newell; I. E. Sutherland et al. 1974).

@@ -60,7 +60,7 @@ impl Environment {
             field!(Environment { image } => Slot::Image(image); FILE),
             field!(Environment { world_from_environment } => Slot::Rotation(world_from_environment); ROTATION),
             field!(Environment { visible } => Slot::Flag(visible),
-                "whether the camera sees it; if not the background is black with alpha 0", Plain),
+                "whether the camera sees it other than through bodies and glass; if not the background is black with alpha 0", Plain),
         ],
         rules: &[],
     };

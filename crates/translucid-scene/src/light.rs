@@ -179,8 +179,9 @@ const EDGES: &[Key] = &[
     Key { name: "edge_y", doc: "see `edge_x`", fallback: Words("none") },
 ];
 
-const VISIBLE: &str = "whether the camera sees it";
-const VISIBLE_BODY: &str = "whether the camera sees it, if it has a radius";
+const VISIBLE: &str = "whether the camera sees it other than through bodies and glass";
+const VISIBLE_BODY: &str =
+    "whether the camera sees it other than through bodies and glass, if it has a radius";
 
 /// Kinds of lights at a distance of 3 from the origin, which they face with an irradiance of 3.
 const PLACE: Vec3 = Vec3::new(0.0, 0.0, 3.0);

@@ -3,6 +3,7 @@
 import { make } from "./dom.js";
 import { nextGesture } from "./gesture.js";
 import { format, parse } from "./numbers.js";
+import { MILLIMETERS, readable, splitUnit } from "./units.js";
 
 /** Pixels of CSS that a label is dragged for a step. */
 const DRAG = 4;
@@ -18,10 +19,17 @@ export class NumberField {
     #change;
     #scale;
     #gesture = 0;
+    #unit;
+    #shownUnit;
 
-    /** `digits`: significant ones that are shown; a field that has the focus shows more. */
-    constructor({ id, label, labelledby, scale, change, handle, digits = 4 }) {
+    /**
+     * `digits`: significant ones that are shown; a field that has the focus shows more. `unit`: the scene's, of a length;
+     * `onUnit` is told in which one it is shown.
+     */
+    constructor({ id, label, labelledby, scale, change, handle, digits = 4, unit, onUnit }) {
         this.#digits = digits;
+        this.#unit = this.#shownUnit = unit;
+        this.onUnit = onUnit;
         this.#change = change;
         this.#scale = scale;
         this.input = make("input", {
@@ -57,8 +65,26 @@ export class NumberField {
         this.#value = value;
         if (!force && (this.isRefused || this.#isTyping)) return;
         const digits = document.activeElement === this.input ? Math.max(5, this.#digits) : this.#digits;
-        this.#text = value === null ? "" : format(value, digits);
+        if (this.#unit && value !== null && readable(value, this.#unit) !== this.#shownUnit) {
+            this.#shownUnit = readable(value, this.#unit);
+            this.onUnit?.(this.#shownUnit);
+        }
+        this.#text = value === null ? "" : format(value / this.#size, digits);
         if (this.input.value !== this.#text) this.input.value = this.#text;
+    }
+
+    /** What a number 1 stands for, in the scene's unit. */
+    get #size() {
+        return this.#unit === this.#shownUnit ? 1 : MILLIMETERS[this.#shownUnit] / MILLIMETERS[this.#unit];
+    }
+
+    /** The value of a text in the unit that is shown, or in one of its own; null where it is no number. */
+    #parse(text) {
+        const before = (this.#value ?? 0) / this.#size;
+        const [number, unit] = this.#unit in MILLIMETERS ? splitUnit(text) : [text, null];
+        const value = parse(number, before);
+        if (value === null) return null;
+        return value * (unit ? MILLIMETERS[unit] / MILLIMETERS[this.#unit] : this.#size);
     }
 
     get #isTyping() {
@@ -68,10 +94,9 @@ export class NumberField {
     #commit() {
         const text = this.input.value;
         if (text === this.#text && !this.isRefused) return;
-        const value = parse(text, this.#value ?? 0);
+        const value = this.#parse(text);
         if (value === null) return this.refused?.(`\u201c${text}\u201d is not a number`);
-        this.#value = value;
-        this.input.value = this.#text = format(value);
+        this.show(value, true);
         this.#change(value, nextGesture(), true);
     }
 
@@ -90,7 +115,7 @@ export class NumberField {
         } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
             event.preventDefault();
             const size = (event.key === "ArrowUp" ? 1 : -1) * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
-            this.#step(parse(this.input.value, this.#value ?? 0) ?? this.#value ?? 0, size);
+            this.#step(this.#parse(this.input.value) ?? this.#value ?? 0, size);
         }
     }
 

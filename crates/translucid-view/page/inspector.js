@@ -2,10 +2,10 @@
 
 import { byId, make, setText } from "./dom.js";
 import { format } from "./numbers.js";
+import { MILLIMETERS } from "./units.js";
 
 /** Shortest time between two questions, in milliseconds. */
 const PAUSE = 125;
-const MILLIMETERS = { mm: 1, cm: 10, m: 1000 };
 
 export class Inspector {
     #session;

@@ -32,6 +32,7 @@ export function meanFreePath(session, panel) {
     const channels = CHANNELS.map((name, i) => new NumberRow({
         id: `material-mfp-${name}`,
         name: name.charAt(0).toUpperCase() + name.slice(1),
+        unit,
         scale,
         limits,
         hint: "subsurface_radius \u00d7 subsurface_radius_scale",

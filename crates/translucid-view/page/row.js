@@ -6,6 +6,7 @@ import { NumberField } from "./field.js";
 import { nextGesture } from "./gesture.js";
 import { format } from "./numbers.js";
 import { Slider } from "./slider.js";
+import { MILLIMETERS, readable } from "./units.js";
 
 const CHANNELS = ["r", "g", "b"];
 const CHANNEL_NAMES = ["red", "green", "blue"];
@@ -81,7 +82,12 @@ export class NumberRow extends Row {
         super(id, name, { hint, className });
         this.label.htmlFor = id;
         const labelledby = `${id}-label`;
-        const text = (value) => (unit ? `${format(value)} ${unit}` : format(value));
+        const isLength = unit in MILLIMETERS;
+        const suffix = make("span", { className: unit === "\u00b0" ? "unit degrees" : "unit" }, unit);
+        const text = (value) => {
+            const shown = isLength ? readable(value, unit) : unit;
+            return unit ? `${format(isLength ? value * MILLIMETERS[unit] / MILLIMETERS[shown] : value)} ${shown}` : format(value);
+        };
         const onChange = (value, gesture, isFinal) => change(value, gesture, isFinal, this);
         this.slider = new Slider({ id: `${id}-slider`, labelledby, scale, text, change: (value, ...rest) => {
             this.numberField.show(value, true);
@@ -93,12 +99,12 @@ export class NumberRow extends Row {
             scale: { ...scale, ...limits },
             change: onChange,
             handle: this.label,
-            digits: unit ? 3 : 4,
+            unit: isLength ? unit : undefined,
+            onUnit: (name) => setText(suffix, name),
         });
         this.add(this.slider.input);
         this.inputs.push(this.numberField.input);
-        this.controls.append(make("span", { className: "suffixed" }, this.numberField.input,
-            unit && make("span", { className: unit === "\u00b0" ? "unit degrees" : "unit" }, unit)));
+        this.controls.append(make("span", { className: "suffixed" }, this.numberField.input, unit && suffix));
     }
 
     show(value) {

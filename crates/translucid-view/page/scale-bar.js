@@ -2,8 +2,8 @@
 
 import { byId, make, setText } from "./dom.js";
 import { format } from "./numbers.js";
+import { MILLIMETERS, readable } from "./units.js";
 
-const MILLIMETERS = { mm: 1, cm: 10, m: 1000 };
 /** Longest bar, in letters of the page and as a share of the picture. */
 const LONGEST = 12;
 const SHARE = 0.25;
@@ -36,7 +36,8 @@ export class ScaleBar {
         const length = nice(Math.min(LONGEST * letter, width * SHARE) * perPixel);
         if (!Number.isFinite(length) || length <= 0) return;
         byId("bar").style.width = `${length / perPixel}px`;
-        setText(byId("bar-text"), `${format(length)} mm`);
+        const unit = readable(length, "mm");
+        setText(byId("bar-text"), `${format(length / MILLIMETERS[unit])} ${unit}`);
         byId("scale").title = this.#navigation.picked?.position ? "At the depth of the point that was clicked last" : "At the depth of the camera\u2019s target";
         const mfp = this.#materials.material?.mfp ?? [];
         const scatters = this.#materials.material?.parameters.subsurface_weight;

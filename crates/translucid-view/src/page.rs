@@ -66,6 +66,7 @@ page_files! {
     "style.css": STYLE,
     "tabs.js": SCRIPT,
     "theme.js": SCRIPT,
+    "units.js": SCRIPT,
     "vector.js": SCRIPT,
     "vendor/uplot/LICENSE": TEXT,
     "vendor/uplot/uPlot.esm.js": SCRIPT,

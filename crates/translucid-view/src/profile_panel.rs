@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use translucid_profile::{Appearance, Configuration, Model, Parameterization, Profile, require};
 use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
-use translucid_scene::{Material, ProfileTable, SubsurfaceModel, Unit};
+use translucid_scene::{Material, ProfileTable, SubsurfaceModel, Unit, WalkSurface};
 
 /// Radii of a curve.
 const POINTS: usize = 160;
@@ -32,7 +32,8 @@ struct Channel {
     eta: f64,
 }
 
-/// The curves of a material with the model that it names: R(r) per mm² over r in mm, or why there are none.
+/// The curves of a material with the model that it names: R(r) per mm² over r in mm, or why there are none. That of a random
+/// walk is the exact one, which stands alone.
 pub(crate) fn profile(material: &Material, tables: &[ProfileTable], unit: Unit) -> Value {
     let channels = channels(material, unit);
     let mut notes = Vec::new();
@@ -55,7 +56,13 @@ pub(crate) fn profile(material: &Material, tables: &[ProfileTable], unit: Unit) 
     let farthest = models.iter().flatten().map(|curve| curve.farthest).fold(0.0, f64::max);
     let nearest = channels.iter().map(|channel| 0.01 * channel.length).fold(f64::MAX, f64::min);
     let radii = rising([nearest.clamp(1e-6 * farthest, 0.01 * farthest), farthest], POINTS);
-    let (truth, truths) = truth(&channels, &mut notes);
+    let (truth, truths) = match material.subsurface_model {
+        // It is the truth
+        SubsurfaceModel::RandomWalk(_) => {
+            ("a random walk returns the exact profile of a half space", [None, None, None])
+        }
+        _ => truth(&channels, &mut notes),
+    };
     let curves: Vec<Value> = models
         .iter()
         .zip(&truths)
@@ -139,9 +146,7 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
     allowed.map_err(|error| format!("no profile is drawn of a channel: {error}"))?;
     let model = match material.subsurface_model {
         SubsurfaceModel::Profile(model) => model,
-        SubsurfaceModel::RandomWalk(_) => {
-            return Err("a random walk has no profile: on a half space it returns the exact one".to_owned());
-        }
+        SubsurfaceModel::RandomWalk(surface) => return walk_curve(channel, surface),
         SubsurfaceModel::Default => return Err("no model is named".to_owned()),
         SubsurfaceModel::None => return Err("a Lambertian color has no profile".to_owned()),
         SubsurfaceModel::Tabulated(index) => {
@@ -161,6 +166,30 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
     Ok(Curve::new(move |r| profile.eval(r), move |u| other.quantile(u)))
 }
 
+/// What a walk returns on a half space.
+fn walk_curve(channel: &Channel, surface: WalkSurface) -> Result<Curve, String> {
+    let medium = match surface {
+        WalkSurface::Clear => *channel,
+        // Light enters evenly, and nothing reflects it inside
+        WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
+            Channel { configuration: Configuration::Diffuse, eta: 1.0, ..*channel }
+        }
+    };
+    if medium.g != 0.0 {
+        let message = "a random walk returns the profile of its medium, whose exact form is known for isotropic \
+                       scattering (g = 0) only: `translucid reference --method monte-carlo` prints it";
+        return Err(message.to_owned());
+    }
+    let Channel { surface_albedo, length, parameterization, configuration, .. } = medium;
+    let appearance = Appearance { surface_albedo, length, parameterization, g: 0.0 };
+    let matched = Model::Exact.profile(&appearance, configuration, 1.0).map_err(|error| error.to_string())?;
+    let exact = exact(&medium).ok_or(
+        "under a boundary the exact profile is drawn for lengths that are mean free paths (\"mfp\"), and surface albedos that \
+         the boundary leaves room for",
+    )?;
+    Ok(Curve::new(exact, move |u| matched.quantile(u)))
+}
+
 /// The truth of each channel, where it is known, and its name.
 fn truth(channels: &[Channel; 3], notes: &mut Vec<String>) -> (&'static str, [Option<Exact>; 3]) {
     let Channel { g, eta, .. } = channels[0];
@@ -172,7 +201,7 @@ fn truth(channels: &[Channel; 3], notes: &mut Vec<String>) -> (&'static str, [Op
     }
     let exact = channels.map(|channel| {
         let is_drawn = channel.length > 0.0 && channel.surface_albedo >= DARKEST;
-        is_drawn.then(|| if eta == 1.0 { matched(&channel) } else { below_boundary(&channel) }).flatten()
+        is_drawn.then(|| exact(&channel)).flatten()
     });
     let name = match exact.iter().any(Option::is_some) {
         false => "",
@@ -180,6 +209,11 @@ fn truth(channels: &[Channel; 3], notes: &mut Vec<String>) -> (&'static str, [Op
         true => "exact half space under a dielectric boundary",
     };
     (name, exact)
+}
+
+/// R(r) of an exact half space that scatters isotropically.
+fn exact(channel: &Channel) -> Option<Exact> {
+    if channel.eta == 1.0 { matched(channel) } else { below_boundary(channel) }
 }
 
 fn matched(channel: &Channel) -> Option<Exact> {
@@ -216,7 +250,7 @@ fn error(curve: &Curve, exact: &Exact, ends: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use translucid_scene::{ColorInput, ScalarInput, WalkSurface};
+    use translucid_scene::{ColorInput, ScalarInput};
 
     use super::*;
 
@@ -260,12 +294,43 @@ mod tests {
         assert!(errors(&value).iter().all(|&error| error < 5.5), "{:?}", errors(&value));
     }
 
+    /// What leaves the half space is A, the integral of the curve.
+    #[test]
+    fn walks_have_the_exact_profile() {
+        for (surface, eta) in [(WalkSurface::Clear, 1.0), (WalkSurface::Clear, 1.4), (WalkSurface::Skin, 1.4)]
+        {
+            let walked = Material {
+                subsurface_model: SubsurfaceModel::RandomWalk(surface),
+                subsurface_eta: eta,
+                ..material(Model::Exact)
+            };
+            let value = profile(&walked, &[], Unit::Millimeter);
+            let numbers = |of: &Value| -> Vec<f64> {
+                of.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+            };
+            let radii = numbers(&value["r"]);
+            let channels = value["channels"].as_array().unwrap();
+            for (channel, expected) in channels.iter().zip([0.8, 0.5, 0.2]) {
+                let curve = numbers(&channel["model"]);
+                let ring = |i: usize| 2.0 * std::f64::consts::PI * radii[i] * radii[i] * curve[i];
+                let steps =
+                    (1..radii.len()).map(|i| 0.5 * (ring(i - 1) + ring(i)) * (radii[i] / radii[i - 1]).ln());
+                // The ring that lies within the first radius is a few percent of the light
+                let total: f64 = steps.sum();
+                assert!((total / expected - 1.0).abs() < 0.05, "{surface:?} {eta}: {total} {expected}");
+                assert!(channel["exact"].is_null() && channel["error_percent"].is_null());
+            }
+            assert_eq!(channels.len(), 3, "{value}");
+        }
+    }
+
     #[test]
     fn what_has_no_profile_says_so() {
         for (material, words) in [
             (
                 Material {
                     subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear),
+                    subsurface_scatter_anisotropy: 0.5,
                     ..material(Model::Exact)
                 },
                 "random walk",

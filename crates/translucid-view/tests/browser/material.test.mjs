@@ -83,7 +83,7 @@ test("surface albedo: fields, sliders and the swatch", async () => {
 test("mean free path: a channel keeps the others, the radius scales all", async () => {
     await changes("emission off", () => view.type("material-emission_luminance", 0));
     const { mfp } = await material();
-    await changes("green", () => view.type("material-mfp-green", 0.6));
+    await changes("green", () => view.type("material-mfp-green", "6 mm"));
     near((await material()).mfp, mfp.with(1, 0.6));
     const [radius, old] = [await value("subsurface_radius"), (await material()).mfp];
     await changes("all", () => view.type("material-subsurface_radius", "*2"));
@@ -92,6 +92,14 @@ test("mean free path: a channel keeps the others, the radius scales all", async 
     await changes("scale", () => view.type("material-subsurface_radius_scale-b", 0.7));
     near((await value("subsurface_radius_scale"))[2], 0.7);
     await changes("a slider", () => view.page.locator("#material-mfp-red-slider").fill("600"));
+    // Short lengths are shown in a unit that leaves them four digits
+    await changes("short", () => view.type("material-subsurface_radius", "0.45678 mm"));
+    near(await value("subsurface_radius"), 0.045678);
+    const row = view.page.locator(".row", { has: view.page.locator("#material-subsurface_radius") });
+    await view.page.locator("#material-subsurface_radius").blur();
+    assert.equal(await view.page.locator("#material-subsurface_radius").inputValue(), "0.4568");
+    assert.match(await row.textContent(), /mm/);
+    await changes("long", () => view.type("material-subsurface_radius", "1 cm"));
 });
 
 const WORDS = [

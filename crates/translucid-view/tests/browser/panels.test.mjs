@@ -23,13 +23,14 @@ const ink = () => page.locator("#profile-plot canvas").evaluate((canvas) => {
     return count;
 });
 
-test("a default model says which it is, and a walk that it has no profile", async () => {
+test("a default model says which it is, and a walk that its profile is exact", async () => {
     await shown("profile");
     const described = async (start) => page.waitForFunction(
         (start) => document.querySelector("#material-rows .description").textContent.startsWith(start), start);
     await described("random-walk. ");
-    await page.locator("#profile-plot.empty").waitFor();
-    assert.match(await text("profile-plot"), /a random walk has no profile/);
+    await page.locator("#profile-errors li").nth(2).waitFor();
+    assert.match(await text("profile-truth"), /a random walk returns the exact profile/);
+    assert.ok((await ink()) > 200);
     await view.check("material-subsurface_normalization-energy");
     await described("normalized-diffusion-oblique. ");
     assert.equal(await page.locator("#material-subsurface_model").inputValue(), "default");
