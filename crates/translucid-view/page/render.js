@@ -51,6 +51,7 @@ export class RenderPanel {
         return [
             row(NumberRow, "samples_per_pixel", "Samples per pixel", { scale: whole(1, 4096) }),
             row(ChoiceRow, "subsurface_method", "Method", { options: methods }),
+            ...(session.hello.denoises ? [this.#denoising()] : []),
             row(CheckRow, "subsurface_sharing", "Share light", { hint: "subsurface_sharing: light that has entered serves the pixels around, too" }),
             row(NumberRow, "max_depth", "Depth", { scale: whole(1, 64), hint: "max_depth: most scattering events on a path" }),
             row(NumberRow, "max_diffuse_depth", "Diffuse depth", {
@@ -61,6 +62,19 @@ export class RenderPanel {
             row(CheckRow, "caustics", "Caustics"),
             row(NumberRow, "seed", "Seed", { scale: { ...linear(0, 1000), toValue: (t) => Math.round(1000 * t), step: (value, size) => value + Math.sign(size) }, limits: { least: 0 } }),
         ];
+    }
+
+    /** Not a key of the scene: the finished picture is never denoised. */
+    #denoising() {
+        const session = this.#session;
+        const row = new CheckRow({
+            id: "denoise",
+            name: "Denoise until done",
+            hint: "What is shown while samples are added. The finished picture, and all files, are as they were rendered.",
+            change: (on) => session.command({ type: "denoise", on }),
+        });
+        byId("integrator-rows").append(row.element);
+        return () => row.show(session.state.denoise);
     }
 
     #film() {

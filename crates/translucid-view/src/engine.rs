@@ -43,6 +43,8 @@ const LEAST_PAUSE: Duration = Duration::from_millis(250);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 /// Least time between two pictures over the time that one takes.
 const PAUSE_PER_FRAME: u32 = 50;
+/// The same of denoised pictures.
+const PAUSE_PER_DENOISED_FRAME: u32 = 8;
 /// Least time between two reports while samples are added.
 const REPORT_PAUSE: Duration = Duration::from_millis(200);
 /// Time of a path before anything is known \[s\].
@@ -157,7 +159,9 @@ impl<'a> Engine<'a> {
     /// Takes over what is wanted: films that show something else begin anew.
     fn renew(&mut self, wanted: Wanted) {
         let before = std::mem::replace(&mut self.wanted, wanted);
-        let same_display = before.film == self.wanted.film && before.shown == self.wanted.shown;
+        let same_display = before.film == self.wanted.film
+            && before.shown == self.wanted.shown
+            && before.is_denoised == self.wanted.is_denoised;
         self.bring_images();
         for side in 0..2 {
             let Some(look) = self.wanted.looks[side].clone() else {
@@ -403,7 +407,7 @@ impl<'a> Engine<'a> {
             self.frame_time = start.elapsed();
         }
         if self.reported.elapsed() > REPORT_PAUSE {
-            self.report("rendering", "");
+            self.report("rendering", if self.denoises() { "shown denoised" } else { "" });
         }
     }
 
@@ -411,10 +415,10 @@ impl<'a> Engine<'a> {
     /// that does not hold up the samples.
     fn is_due(&self, last: LastShown, samples: u32) -> bool {
         let pause = last.at.elapsed();
+        let per_frame = if self.denoises() { PAUSE_PER_DENOISED_FRAME } else { PAUSE_PER_FRAME };
         let is_finer = samples as f32 >= std::f32::consts::SQRT_2 * last.samples as f32;
         last.samples == 0
-            || pause > LEAST_PAUSE.max(PAUSE_PER_FRAME * self.frame_time)
-                && (is_finer || pause > LONGEST_PAUSE)
+            || pause > LEAST_PAUSE.max(per_frame * self.frame_time) && (is_finer || pause > LONGEST_PAUSE)
     }
 
     /// Estimates noise and difference.
@@ -450,9 +454,16 @@ impl<'a> Engine<'a> {
         }
     }
 
+    /// Whether pictures that are not finished are denoised: only for the eye, and not while something moves.
+    fn denoises(&self) -> bool {
+        let Wanted { shown, is_denoised, moving, .. } = &self.wanted;
+        let is_light = *shown == Shown::Layer(FilmLayer::Radiance);
+        is_light && *is_denoised && moving.is_none() && self.shared.denoiser.is_some()
+    }
+
     /// Sends what there is of a side, and the map of the comparison if that is looked at.
     fn show(&mut self, side: usize) {
-        let shown = self.wanted.shown;
+        let (shown, denoises) = (self.wanted.shown, self.denoises());
         let Some(work) = &mut self.sides[side] else { return };
         let layer = if let Shown::Layer(layer) = shown { layer } else { FilmLayer::Radiance };
         let whole = work.film.sums();
@@ -460,9 +471,12 @@ impl<'a> Engine<'a> {
             Some((fraction, sums)) => (*fraction, sums),
             None => (Fraction::Whole, &*whole),
         };
-        let codes = layer_codes(sums, layer, &self.wanted.film);
         let samples = whole.samples();
         let is_last = samples >= work.goal();
+        // Where denoising fails, the picture is shown as it is
+        let denoiser = self.shared.denoiser.as_ref().filter(|_| denoises && !is_last && sums.samples() > 0);
+        let denoised = denoiser.and_then(|denoiser| sums.denoise(denoiser, 0).ok());
+        let codes = layer_codes(sums, layer, &self.wanted.film, denoised);
         let header = Header {
             kind: side as u8,
             divisor: fraction.divisor() as u8,

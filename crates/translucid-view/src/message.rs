@@ -59,6 +59,9 @@ pub(crate) enum Message {
     Pause {
         on: bool,
     },
+    Denoise {
+        on: bool,
+    },
     Pick {
         x: f32,
         y: f32,

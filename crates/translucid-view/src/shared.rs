@@ -8,6 +8,7 @@ use axum::body::Bytes;
 use glam::Vec3;
 use serde_json::{Value, json};
 use tokio::sync::watch;
+use translucid_image::Denoiser;
 use translucid_render::{LiveFilm, Picker, View};
 use translucid_scene::{Scene, SceneError};
 
@@ -53,6 +54,8 @@ pub(crate) struct Shared {
     pub(crate) origin: Scene,
     object_names: Vec<(String, usize)>,
     pub(crate) settings: Settings,
+    /// Denoises pictures that are not finished, where it is installed.
+    pub(crate) denoiser: Option<Denoiser>,
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -66,11 +69,13 @@ impl Shared {
         notes: Vec<String>,
         settings: Settings,
     ) -> Result<Self, SceneError> {
+        let denoiser = Denoiser::load().ok();
         let studio = Studio::new(scene)?;
         let bounds = bounds(scene, &picker);
+        let mut hello = json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera);
+        hello["denoises"] = json!(denoiser.is_some());
         Ok(Self {
-            hello: json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera)
-                .to_string(),
+            hello: hello.to_string(),
             bounds,
             state: watch::Sender::new(Arc::new(studio.state(&notes, &settings.render_command()))),
             studio: Mutex::new(studio),
@@ -91,6 +96,7 @@ impl Shared {
             },
             object_names: scene.objects.iter().map(|object| (object.name.clone(), object.material)).collect(),
             settings,
+            denoiser,
         })
     }
 

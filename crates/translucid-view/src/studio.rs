@@ -55,6 +55,8 @@ pub(crate) struct Wanted {
     pub(crate) film: Film,
     pub(crate) shown: Shown,
     pub(crate) is_paused: bool,
+    /// Pictures that are not finished are denoised for the display, where something can do it.
+    pub(crate) is_denoised: bool,
     /// When the page has said last that it moves something; none once it has let go.
     pub(crate) moving: Option<Instant>,
     /// Images of pages, after the scene's own.
@@ -73,6 +75,7 @@ pub(crate) struct Studio {
     edited: Edited,
     shown: Shown,
     is_paused: bool,
+    is_denoised: bool,
     moving: Option<Instant>,
     origin: Setup,
     done: VecDeque<Setup>,
@@ -103,6 +106,7 @@ impl Studio {
             edited: Edited::A,
             shown: Shown::Layer(FilmLayer::Radiance),
             is_paused: false,
+            is_denoised: true,
             moving: None,
             done: VecDeque::new(),
             undone: Vec::new(),
@@ -120,6 +124,7 @@ impl Studio {
             film: self.setup.film,
             shown: self.shown,
             is_paused: self.is_paused,
+            is_denoised: self.is_denoised,
             moving: self.moving,
             images: self.images.clone(),
         }
@@ -171,6 +176,7 @@ impl Studio {
             ("active", json!(self.edited.name())),
             ("view", json!(self.shown.name())),
             ("paused", json!(self.is_paused)),
+            ("denoise", json!(self.is_denoised)),
             ("undo", json!(!self.done.is_empty())),
             ("redo", json!(!self.undone.is_empty())),
             ("notes", json!(notes)),
@@ -278,6 +284,7 @@ impl Studio {
                 })?;
             }
             Message::Pause { on } => self.is_paused = on,
+            Message::Denoise { on } => self.is_denoised = on,
             // A renderer that has gone on already is not disturbed
             Message::Settled {} if moved.is_none_or(|last| last.elapsed() >= MOTION_ENDS) => return Ok(()),
             Message::Settled {} | Message::Frame {} => {}

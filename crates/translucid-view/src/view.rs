@@ -1,7 +1,9 @@
 //! Views of a film on the page, as the codes of a display.
 
 use rayon::prelude::*;
-use translucid_image::{DisplayTransform, Picture, PictureChannel, ToneMapping, display_from_linear};
+use translucid_image::{
+    Denoised, DisplayTransform, Picture, PictureChannel, ToneMapping, display_from_linear,
+};
 use translucid_laboratory::picture::{
     self as laboratory, FlipMap, PicturePixel, difference_color, flip_color,
 };
@@ -53,11 +55,16 @@ impl Shown {
     }
 }
 
-/// RGBA codes of a layer, row by row from the top: of all light the codes of the command's PNG.
-pub(crate) fn layer_codes(film: &FilmSums, shown: FilmLayer, settings: &Film) -> Vec<u8> {
+/// RGBA codes of a layer, row by row from the top: of all light the codes of the command's PNG, denoised if that is given.
+pub(crate) fn layer_codes(
+    film: &FilmSums,
+    shown: FilmLayer,
+    settings: &Film,
+    denoised: Option<Denoised>,
+) -> Vec<u8> {
     let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
     let plain = DisplayTransform { exposure: 0.0, tone_mapping: ToneMapping::Srgb };
-    let info = ImageInfo::default();
+    let info = ImageInfo { denoised, ..ImageInfo::default() };
     let light = |range: std::ops::Range<usize>| {
         picture(film, move |mean| [mean[range.start], mean[range.start + 1], mean[range.start + 2]])
     };
@@ -202,16 +209,16 @@ mod tests {
         for shown in Shown::ALL {
             assert_eq!(Shown::from_name(shown.name()), Some(shown));
             let Shown::Layer(layer) = shown else { continue };
-            let codes = layer_codes(&film, layer, &settings);
+            let codes = layer_codes(&film, layer, &settings, None);
             assert_eq!(codes.len(), 32);
             assert_eq!(codes[8..16], [0; 8], "{shown:?}");
         }
-        let light = layer_codes(&film, FilmLayer::Radiance, &settings);
-        assert_eq!(light, layer_codes(&film, FilmLayer::Subsurface, &settings));
+        let light = layer_codes(&film, FilmLayer::Radiance, &settings, None);
+        assert_eq!(light, layer_codes(&film, FilmLayer::Subsurface, &settings, None));
         assert!(light[0] > light[1] && light[1] > light[2] && light[3] == 255);
-        let normal = layer_codes(&film, FilmLayer::Normal, &settings);
+        let normal = layer_codes(&film, FilmLayer::Normal, &settings, None);
         assert!(normal[0].abs_diff(128) <= 1 && normal[2] == 255, "{normal:?}");
-        let depth = layer_codes(&film, FilmLayer::Depth, &settings);
+        let depth = layer_codes(&film, FilmLayer::Depth, &settings, None);
         assert!(depth[0] == 255 && depth[4].abs_diff(26) <= 1, "{depth:?}");
     }
 
