@@ -1,5 +1,6 @@
 //! Light from infinity in all directions: one color, or a latitude–longitude image.
 
+mod cells;
 mod map;
 
 use std::f32::consts::PI;
@@ -56,7 +57,7 @@ impl Environment {
         match self {
             Self::Constant(_) if receiver.has_normal() => cosine_hemisphere(receiver.normal, v),
             Self::Constant(_) => uniform_sphere(v),
-            Self::Map(map) => map.sample(v),
+            Self::Map(map) => map.sample(receiver, v),
         }
     }
 
@@ -65,7 +66,7 @@ impl Environment {
         match self {
             Self::Constant(_) if receiver.has_normal() => receiver.cosine(direction) / PI,
             Self::Constant(_) => 1.0 / (4.0 * PI),
-            Self::Map(map) => map.pdf(direction),
+            Self::Map(map) => map.pdf(receiver, direction),
         }
     }
 }
