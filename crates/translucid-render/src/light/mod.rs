@@ -48,7 +48,10 @@ mod weights;
 use glam::Vec3;
 use translucid_scene::Scene;
 
+use crate::ray::Geometry;
+
 use emitters::{Emitters, PlacedLight};
+use environment::Environment;
 use receiver::Receiver;
 pub(crate) use receiver::luminance;
 use refracted::DeltaLights;
@@ -150,6 +153,27 @@ impl LightSet {
             environment_visible: scene.environment.is_some_and(|environment| environment.visible),
             cross_section,
             emitters,
+        }
+    }
+
+    /// Looks for openings through which the environment shines into the rooms of a scene.
+    pub(crate) fn look_for_openings(&mut self, geometry: &Geometry) {
+        if let Some(environment) = self.environment_mut() {
+            environment.look_for_openings(geometry);
+        }
+    }
+
+    /// Takes the openings that the same environment has in the same geometry.
+    pub(crate) fn keep_openings(&mut self, old: &mut Self) {
+        if let (Some(new), Some(old)) = (self.environment_mut(), old.environment_mut()) {
+            new.keep_openings(old);
+        }
+    }
+
+    fn environment_mut(&mut self) -> Option<&mut Environment> {
+        match self.emitters.sources.get_mut(self.environment?)? {
+            PlacedLight::Environment(environment) => Some(environment),
+            _ => None,
         }
     }
 

@@ -12,7 +12,7 @@ use crate::ray::{Hit, Ray, SurfacePoint};
 use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::{ExitPoint, Subsurface, Tracer, TransportScratch, Transports};
 use crate::surface;
-use crate::surface::bsdf::{Bsdf, BsdfSample, SurfaceParameters};
+use crate::surface::bsdf::{Bsdf, BsdfSample, LightBelow, SurfaceParameters};
 use crate::world::{
     BlockPlace, Layer, PathState, PixelSample, PixelWidth, ShadowMedium, World, absorbed, absorption_behind,
     power_heuristic, straight_transmittance, weighed,
@@ -20,6 +20,12 @@ use crate::world::{
 
 /// Scattering events after which paths of little throughput are ended at random.
 const ROULETTE_AFTER: u32 = 3;
+
+/// Probability with which a reflection that is followed beside light from below goes on at a surface, over its share of the
+/// light.
+///
+/// The sky, and lamps, it meets in any case. With 1 the error times CPU time was 0.97 to 1.09 times as great.
+const ROULETTE_BESIDE: f32 = 3.0;
 
 /// Traces paths; one for each thread, because it keeps scratch memory.
 pub(crate) struct PathTracer<'a> {
@@ -147,17 +153,19 @@ impl<'a> PathTracer<'a> {
         }
         let vertex = Vertex::new(world, path, point, &stated);
         let (surface, subsurface) = self.surface_as_seen(path, &vertex, stated);
-        let bsdf = Bsdf::new(&surface, world.surfaces.of(index), vertex.frame.to_local(-path.ray.direction));
+        let mut bsdf =
+            Bsdf::new(&surface, world.surfaces.of(index), vertex.frame.to_local(-path.ray.direction));
         if path.depth == 0 && path.sample.alpha == 0.0 {
             see_first(path, &vertex, bsdf.albedo());
         }
         if !vertex.can_scatter() || !survives(path, || u.of_roulette()) {
             return false;
         }
+        let below = if path.depth == 0 { bsdf.split_below() } else { None };
         if !vertex.is_depth_spent && !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
-        self.choose(path, &vertex, &bsdf, subsurface, sampler)
+        self.choose(path, &vertex, (&bsdf, below), subsurface, sampler)
     }
 
     /// The surface at a point, and the medium below, as the path sees them.
@@ -206,7 +214,7 @@ impl<'a> PathTracer<'a> {
         &mut self,
         path: &mut PathState,
         vertex: &Vertex<'_>,
-        bsdf: &Bsdf<'_>,
+        (bsdf, below): (&Bsdf<'_>, Option<LightBelow>),
         subsurface: Subsurface,
         sampler: &mut Sampler,
     ) -> bool {
@@ -220,13 +228,11 @@ impl<'a> PathTracer<'a> {
                 BsdfSample::Subsurface { .. } => true,
             });
         }
-        if path.depth == 0
-            && let Some(below) = bsdf.sample_below(v[0])
-        {
+        if let Some(below) = below.filter(|below| v[3] < below.probability) {
             if let Some(drawn) = drawn {
                 self.follow_beside(path, vertex, &drawn, sampler);
             }
-            drawn = Some(below);
+            drawn = Some(BsdfSample::Subsurface { weight: below.weight });
         }
         match drawn {
             None => false,
@@ -241,8 +247,7 @@ impl<'a> PathTracer<'a> {
 
     /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
     ///
-    /// Most light that the camera sees of a translucent surface comes from below. If each sample drew either that or a
-    /// reflection, the choice would be much of a glossy picture's noise.
+    /// If each sample drew either light from below or a reflection, the choice would be much of a glossy picture's noise.
     fn follow_beside(
         &mut self,
         path: &mut PathState,
@@ -382,10 +387,14 @@ impl Choices {
 /// No factor η² is needed where the index changes: the throughput carries basic radiance L/n², so refraction does not
 /// change it (see [`bsdf`](crate::surface::bsdf)).
 fn survives(path: &mut PathState, u: impl Fn() -> f32) -> bool {
-    if path.depth < ROULETTE_AFTER {
+    let survival = if path.is_beside && path.depth == 1 {
+        let share = path.throughput.max_element() / path.sample.albedo.max_element();
+        (ROULETTE_BESIDE * share).min(1.0)
+    } else if path.depth < ROULETTE_AFTER {
         return true;
-    }
-    let survival = path.throughput.max_element().min(0.95);
+    } else {
+        path.throughput.max_element().min(0.95)
+    };
     if u() >= survival {
         return false;
     }

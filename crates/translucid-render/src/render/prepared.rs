@@ -134,6 +134,7 @@ impl PreparedScene {
     /// # Errors
     /// There is nothing of that number, or the new value is not valid in this scene, which then stays as it was.
     pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
+        let has_another_sky = matches!(edit, Edit::Environment(_));
         let renewed = match edit {
             Edit::Material(index, material) => self.edit_material(index, *material)?,
             Edit::Object(index, object) => self.edit_object(index, *object)?,
@@ -174,7 +175,14 @@ impl PreparedScene {
             }
         };
         if renewed.lights || renewed.geometry {
-            self.world.lights = light_set(&self.world.scene, &self.world.geometry);
+            let World { scene, geometry, lights, .. } = &mut self.world;
+            let mut new = LightSet::new(scene, emissive_triangles(scene, geometry), geometry.bounds());
+            if renewed.geometry || has_another_sky {
+                new.look_for_openings(geometry);
+            } else {
+                new.keep_openings(lights);
+            }
+            *lights = new;
         }
         if renewed.geometry || renewed.materials > 0 {
             self.renew_transports();
@@ -386,7 +394,9 @@ fn require(what: &str, index: usize, count: usize) -> Result<(), SceneError> {
 
 /// The lights of a scene, emissive triangles included.
 fn light_set(scene: &Scene, geometry: &Geometry) -> LightSet {
-    LightSet::new(scene, emissive_triangles(scene, geometry), geometry.bounds())
+    let mut lights = LightSet::new(scene, emissive_triangles(scene, geometry), geometry.bounds());
+    lights.look_for_openings(geometry);
+    lights
 }
 
 /// The triangles of all objects that emit light.

@@ -75,6 +75,8 @@ pub(crate) struct PathState {
     pub(crate) soft: bool,
     /// Number of the vertex, the camera's being 0.
     pub(crate) vertex: u32,
+    /// It goes on [beside](Self::beside) a path.
+    pub(crate) is_beside: bool,
     /// Absorption coefficient of the clear medium around the ray [1/L].
     pub(crate) absorption: Vec3,
     pub(crate) sample: PixelSample,
@@ -100,6 +102,7 @@ impl PathState {
             has_met: false,
             soft: false,
             vertex: 0,
+            is_beside: false,
             absorption: Vec3::ZERO,
             sample: PixelSample::default(),
             in_block: None,
@@ -113,7 +116,7 @@ impl PathState {
 
     /// A copy of the path that goes on from here in another way, with random numbers of its own.
     pub(crate) fn beside(&self) -> Self {
-        Self { vertex: self.vertex + BESIDE, ..*self }
+        Self { vertex: self.vertex + BESIDE, is_beside: true, ..*self }
     }
 
     /// Adds light of the given radiance at the path's end to its layer.

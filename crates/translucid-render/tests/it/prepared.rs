@@ -228,6 +228,34 @@ fn edited_scene_renders_as_one_that_is_prepared_anew() {
     }
 }
 
+/// The windows of a room are those of its walls and its sky after each edit.
+#[test]
+fn edited_room_renders_as_one_that_is_prepared_anew() {
+    let room = |window: f32| {
+        let mut scene = still();
+        let (x, y, z) = (Vec3::X * 3.0, Vec3::Y * 3.0, Vec3::Z * 9.0);
+        let walls = [(-y, x, -z), (y, x, z), (-x, y, z), (x, z, y), (-z, x, y), (z - Vec3::X * window, x, y)];
+        let floor = scene.objects.pop().expect("a floor");
+        scene
+            .objects
+            .extend(walls.map(|(center, a, b)| Object { mesh: quad(center, a, b).into(), ..floor.clone() }));
+        scene
+    };
+    let mut prepared = PreparedScene::new(room(2.0)).expect("a valid scene");
+    let mut fresh = room(2.0);
+    let sky = Environment { radiance: Vec3::new(0.2, 0.5, 0.9), ..fresh.environment.expect("a sky") };
+    for (name, edit) in [
+        ("lights", Edit::Lights(vec![light(1.5)])),
+        ("sky", Edit::Environment(Some(sky))),
+        ("walls", Edit::Objects(room(1.0).objects)),
+    ] {
+        prepared.edit(edit.clone()).expect(name);
+        apply(&mut fresh, edit);
+        let anew = PreparedScene::new(fresh.clone()).expect("a valid scene");
+        assert!(picture(&prepared) == picture(&anew), "{name}");
+    }
+}
+
 /// Normalization stays with its material when another one before it is removed.
 #[test]
 fn removed_material_leaves_the_others_normalized() {

@@ -1,8 +1,8 @@
 //! Latitude–longitude image as a light.
 //!
 //! The radiance is interpolated bilinearly between pixel centers, around the seam and up to the poles.
-//! Directions are drawn from a table of cells, in proportion to the root mean square of the luminance in each
-//! cell times the cell's solid angle, and uniformly in solid angle within a cell.
+//! Directions are drawn from [tables of cells](super::cells), in proportion to the root mean square of the luminance in
+//! each cell times the cell's solid angle and, about, its cosine to the normal, and uniformly in solid angle within a cell.
 //! The density is therefore exactly constant in a cell, and 0 only where all pixels that the cell interpolates are
 //! black.
 //! For a density that is constant in cells the root mean square leaves the least variance; in a cell of one
@@ -13,8 +13,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Mat3, Vec3};
 use translucid_scene::Image;
 
-use super::super::distribution::Discrete;
 use super::super::receiver::{Receiver, luminance};
+use super::cells::{CellTables, WeighedCells};
 
 /// Most cells of the table in azimuth and in elevation; a larger image has several pixels to the cell.
 const MOST_CELLS: [usize; 2] = [1024, 512];
@@ -26,9 +26,7 @@ pub(crate) struct EnvironmentMap {
     environment_from_world: Mat3,
     pixels: Pixels,
     grid: PixelGrid,
-    rows: Discrete,
-    /// One for each row; none where the row is black.
-    columns: Vec<Option<Discrete>>,
+    cells: CellTables,
     /// Irradiance (luminance) on surfaces that face +x, −x, +y, −y, +z, −z of the environment's frame.
     irradiance: [f32; 6],
 }
@@ -42,17 +40,19 @@ impl EnvironmentMap {
         let weight = |i: usize, j: usize| {
             f64::from(mean_squares[j * grid.columns + i]).sqrt() * grid.solid_angle(i, j)
         };
-        let columns: Vec<_> =
-            (0..grid.rows).map(|j| Discrete::new((0..grid.columns).map(|i| weight(i, j)))).collect();
-        let rows = Discrete::new((0..grid.rows).map(|j| (0..grid.columns).map(|i| weight(i, j)).sum()))?;
+        let cells = CellTables::new(&WeighedCells {
+            columns: grid.columns,
+            rows: grid.rows,
+            weight: &weight,
+            direction: &|column, row| grid.direction(column, row),
+        })?;
         let irradiance = grid.irradiance(&weight);
         Some(Self {
             world_from_environment,
             environment_from_world: world_from_environment.transpose(),
             pixels,
             grid,
-            rows,
-            columns,
+            cells,
             irradiance,
         })
     }
@@ -76,12 +76,11 @@ impl EnvironmentMap {
     }
 
     /// Draws a direction.
-    pub(crate) fn sample(&self, v: [f32; 2]) -> Vec3 {
-        let row = self.rows.sample(f64::from(v[0]));
-        let Some(columns) = &self.columns[row.index] else { return Vec3::Y };
-        let column = columns.sample(f64::from(v[1]));
-        let cos = lerp(self.grid.cos_theta(row.index), self.grid.cos_theta(row.index + 1), row.rest);
-        let u = lerp(self.grid.u(column.index), self.grid.u(column.index + 1), column.rest);
+    pub(crate) fn sample(&self, receiver: &Receiver, v: [f32; 2]) -> Vec3 {
+        let Some(cell) = self.cells.sample(self.normal(receiver), v) else { return Vec3::Y };
+        let [i, j] = cell.at;
+        let cos = lerp(self.grid.cos_theta(j), self.grid.cos_theta(j + 1), cell.rest[0]);
+        let u = lerp(self.grid.u(i), self.grid.u(i + 1), cell.rest[1]);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = libm::sincos(TAU * (u - 0.5));
         let local = DVec3::new(sin * sin_phi, cos, -sin * cos_phi).as_vec3();
@@ -89,12 +88,15 @@ impl EnvironmentMap {
     }
 
     /// Solid-angle density of `sample`.
-    pub(crate) fn pdf(&self, direction: Vec3) -> f32 {
+    pub(crate) fn pdf(&self, receiver: &Receiver, direction: Vec3) -> f32 {
         let [u, v] = image_coordinates(self.environment_from_world * direction);
         let [i, j] = self.grid.cell(u, v);
-        let Some(columns) = &self.columns[j] else { return 0.0 };
-        let probability = self.rows.probability(j) * columns.probability(i);
-        (probability / self.grid.solid_angle(i, j)) as f32
+        self.cells.probability(self.normal(receiver), [i, j]) / self.grid.solid_angle(i, j) as f32
+    }
+
+    /// The receiver's normal in the environment's frame.
+    fn normal(&self, receiver: &Receiver) -> Option<Vec3> {
+        receiver.has_normal().then(|| self.environment_from_world * receiver.normal)
     }
 }
 
@@ -104,7 +106,8 @@ impl EnvironmentMap {
 fn image_coordinates(direction: Vec3) -> [f32; 2] {
     let u = 0.5 + libm::atan2f(direction.x, -direction.z) / std::f32::consts::TAU;
     // By both coordinates: the arc cosine alone has no digits near the poles.
-    let v = libm::atan2f(libm::hypotf(direction.x, direction.z), direction.y) / std::f32::consts::PI;
+    let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
+    let v = libm::atan2f(across, direction.y) / std::f32::consts::PI;
     [u, v]
 }
 
@@ -161,7 +164,7 @@ impl Pixels {
 }
 
 /// Cells of the table: blocks of pixels.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct PixelGrid {
     /// Size of the image in pixels.
     pixels: [usize; 2],
@@ -169,13 +172,28 @@ struct PixelGrid {
     block: [usize; 2],
     columns: usize,
     rows: usize,
+    /// Cosine of the polar angle of the upper edge of each row of cells, and of the lower edge of the last.
+    cos_theta: Vec<f64>,
 }
 
 impl PixelGrid {
     fn new(width: usize, height: usize) -> Self {
         let block = [width.div_ceil(MOST_CELLS[0]), height.div_ceil(MOST_CELLS[1])];
         let (columns, rows) = (width.div_ceil(block[0]), height.div_ceil(block[1]));
-        Self { pixels: [width, height], block, columns, rows }
+        let v = |row: usize| (row * block[1]).min(height) as f64 / height as f64;
+        let cos_theta = (0..=rows).map(|row| libm::cos(PI * v(row))).collect();
+        Self { pixels: [width, height], block, columns, rows, cos_theta }
+    }
+
+    /// Direction of a place, in cells from the upper left corner.
+    fn direction(&self, column: f64, row: f64) -> Vec3 {
+        let place = |at: f64, axis: usize| {
+            let [pixels, block] = [self.pixels[axis], self.block[axis]].map(|size| size as f64);
+            (at * block).min(pixels) / pixels
+        };
+        let (sin, cos) = libm::sincos(PI * place(row, 1));
+        let (sin_phi, cos_phi) = libm::sincos(TAU * (place(column, 0) - 0.5));
+        DVec3::new(sin * sin_phi, cos, -sin * cos_phi).as_vec3()
     }
 
     /// Image coordinate of the left edge of a column of cells.
@@ -185,8 +203,7 @@ impl PixelGrid {
 
     /// Cosine of the polar angle of the upper edge of a row of cells.
     fn cos_theta(&self, row: usize) -> f64 {
-        let v = (row * self.block[1]).min(self.pixels[1]) as f64 / self.pixels[1] as f64;
-        libm::cos(PI * v)
+        self.cos_theta[row]
     }
 
     /// Solid angle of a cell [sr].

@@ -66,3 +66,37 @@ fn environment_map_can_be_sampled_wherever_it_shines() {
     }
     assert!(count > 100);
 }
+
+/// Of a sky that is brightest below, a surface that faces up draws hardly anything below its horizon, and what is above with
+/// its cosine: the irradiance has a fourth of the standard error that drawing by radiance alone would leave it.
+#[test]
+fn environment_map_is_drawn_with_the_cosine() {
+    let (mut sky, images) = image_sky(128, 64, |_, y| Vec3::splat(if y < 32 { 1.0 } else { 4.0 }));
+    sky.world_from_environment = Mat3::IDENTITY;
+    let lights = light_set(Vec::new(), Vec::new(), Some((sky, images)));
+    for normal in [Vec3::Y, Vec3::new(0.36, 0.8, 0.48)] {
+        let samples = (0..4096).filter_map(|i| {
+            let u = sobol_burley::sample_4d(i, 0, 1);
+            lights.sample(Vec3::ZERO, normal, u[0], [u[1], u[2]])
+        });
+        let below = samples.filter(|sample| sample.direction.dot(normal) <= 0.0).count();
+        assert!(below < 400, "{normal}: {below} of 4096 below the horizon");
+        let (mean, error) = irradiance(&lights, Vec3::ZERO, normal, normal, 4096);
+        assert!(error * 64.0 < 0.5 * mean, "{normal}: {mean} ± {error}");
+    }
+}
+
+/// The density integrates to one over the sphere for any normal, or to the share of light that the surface can have.
+#[test]
+fn environment_map_density_integrates_to_one() {
+    for (width, height) in [(64, 32), (300, 150), (7, 3), (1, 1)] {
+        let lights = light_set(Vec::new(), Vec::new(), Some(sunny(width, height)));
+        for normal in [Vec3::ZERO, Vec3::X, Vec3::new(-0.48, 0.6, 0.64)] {
+            let density = |(d, solid_angle): (Vec3, f64)| {
+                solid_angle * f64::from(lights.environment_pdf(Vec3::ZERO, normal, d))
+            };
+            let sum: f64 = directions(400).map(density).sum();
+            assert!((sum - 1.0).abs() < 0.01, "{width} {normal}: {sum}");
+        }
+    }
+}

@@ -50,6 +50,7 @@ pub use glass_table::GlassTable;
 pub(crate) use layers::sample_cosine;
 pub use layers::{EntryBsdf, MaterialTables};
 pub use reflectance_table::{MetalTable, ReflectanceTable};
+pub(crate) use scattering::LightBelow;
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
 pub use surface::SurfaceParameters;
 pub(crate) use thin_wall::Slab;

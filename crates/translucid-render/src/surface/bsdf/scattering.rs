@@ -66,6 +66,15 @@ pub enum BsdfSample {
     },
 }
 
+/// Light from under a surface beside what the surface itself scatters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightBelow {
+    /// Probability with which it is to be followed: twice that of drawing it, up to 1.
+    pub(crate) probability: f32,
+    /// Its weight then, as in [`BsdfSample::Subsurface`].
+    pub(crate) weight: Vec3,
+}
+
 /// Probabilities of the sampling strategies; they sum to 1, or to 0 for a black surface.
 #[derive(Clone, Copy, Debug, Default)]
 struct Strategies {
@@ -532,11 +541,18 @@ impl<'a> Bsdf<'a> {
         if s.facets > 0.0 { self.sample_facets((u / s.facets).clamp(0.0, 1.0), v) } else { None }
     }
 
-    /// Light from under the surface, to be followed beside the choice of [`sample`](Self::sample) by the same number `u`: with
-    /// twice the probability of that choice, up to 1.
-    pub(crate) fn sample_below(&self, u: f32) -> Option<BsdfSample> {
-        let probability = (2.0 * self.strategies.subsurface).min(1.0);
-        (u < probability).then(|| BsdfSample::Subsurface { weight: self.subsurface / probability })
+    /// Leaves light from under the surface out of the choice of [`sample`](Self::sample), which then always draws a reflection
+    /// if there is one, so that light from below can be followed beside it.
+    ///
+    /// `None`, and nothing changes, where no light comes from below.
+    pub(crate) fn split_below(&mut self) -> Option<LightBelow> {
+        let subsurface = self.strategies.subsurface;
+        if subsurface == 0.0 {
+            return None;
+        }
+        self.strategies = Strategies { subsurface: 0.0, ..self.strategies }.normalized();
+        let probability = (2.0 * subsurface).min(1.0);
+        Some(LightBelow { probability, weight: self.subsurface / probability })
     }
 
     fn sample_coat(&self, v: [f32; 2]) -> Option<BsdfSample> {
