@@ -106,6 +106,10 @@ impl Reader<'_> {
             if let Some(numbers) = line.strip_prefix("PRIMARIES=") {
                 let words: Vec<f64> =
                     numbers.split_whitespace().map_while(|word| word.parse().ok()).collect();
+                // Some programs write zeros where they know of none
+                if words == [0.0; 8] {
+                    continue;
+                }
                 let stated = <[f64; 8]>::try_from(words).ok();
                 let stated =
                     stated.map(|[a, b, c, d, e, f, g, h]| Primaries([[a, b], [c, d], [e, f], [g, h]]));
@@ -258,6 +262,15 @@ mod tests {
     fn reds(image: &Image) -> Vec<f32> {
         let places = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
         places.map(|(x, y)| image.texel(x, y)[0] - 0.5).collect()
+    }
+
+    /// As in files of Poly Haven.
+    #[test]
+    fn radiance_primaries_of_zeros_are_none() {
+        let pixels = pixel(5);
+        let plain = file("-Y 1 +X 1", &pixels);
+        let stated = [b"#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n", &plain["#?RADIANCE\n".len()..]].concat();
+        assert_eq!(decoded(&stated).unwrap().texel(0, 0), decoded(&plain).unwrap().texel(0, 0));
     }
 
     #[test]

@@ -25,7 +25,7 @@ const SOLID_ANGLE: f32 = 4.0 * PI / (PARTS[0] * PARTS[1]) as f32;
 
 /// Rays from each cell.
 ///
-/// In a room with one window the error was 1.32 times as great with a fourth of them, and 0.93 times with four times as many.
+/// With a fourth of them the picture of a room with one window is much noisier; four times as many gain little.
 const RAYS: u64 = 16_384;
 
 /// Of these, the ones of a first look.
