@@ -20,7 +20,7 @@ use glam::Vec3;
 use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{Light, Mesh, Scene, SubsurfaceModel};
+use translucid_scene::{ColorInput, Light, Mesh, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
 /// Model of the still life, which names none.
@@ -132,10 +132,33 @@ fn cases() -> Vec<(String, Option<Scene>)> {
             Some(scene(mesh, 2.0 * length, SIZE)),
         ));
     }
+    for (name, is_colored) in [("a rough walk", false), ("a rough walk and vertex colors", true)] {
+        cases.push((format!("ball with bumps, {name}"), Some(walked_ball(is_colored))));
+    }
     cases.push(("still life".into(), load("still-life", None)));
     cases.push(("head".into(), load("head", Some("head/head_70k.ply"))));
     cases.push(("dragon".into(), load("dragon", Some("dragon/dragon_198k.ply"))));
     cases
+}
+
+/// A ball that is walked through, with one color or with a spotted pattern of colors like that of skin.
+fn walked_ball(is_colored: bool) -> Scene {
+    let mut mesh = bumpy_ball(100_000);
+    if is_colored {
+        let spotted = |p: &Vec3| {
+            let wave =
+                (9.0 * p.x).sin() * (7.0 * p.y + 1.0).sin() + 0.5 * (40.0 * p.z).sin() * (37.0 * p.x).sin();
+            Vec3::new(0.8, 0.6, 0.4) * (1.0 + wave * Vec3::new(0.12, 0.2, 0.25))
+        };
+        mesh.colors = mesh.positions.iter().map(spotted).collect();
+    }
+    let mut scene = scene(mesh, 0.2, SIZE);
+    let material = &mut scene.materials[0];
+    material.subsurface_model = SubsurfaceModel::RandomWalk(WalkSurface::Rough);
+    if is_colored {
+        material.subsurface_color = ColorInput::vertex();
+    }
+    scene
 }
 
 /// A plane with a mean free path of so many pixels, that so much of the light comes to from a lamp.

@@ -197,7 +197,7 @@ impl Integrator {
             field!(Integrator { subsurface_method } => Slot::Word(subsurface_method),
                 "`\"ray-traced\"`: every path looks for an entry point; `\"point-based\"`: the light that enters is computed at points beforehand and summed, see [Point-based](point-based.md); `\"cycles-disk\"`: ray-traced with the weights of Blender Cycles' Christensen-Burley, [for its look](blender.md#subsurface-scattering)", Plain),
             field!(Integrator { subsurface_sharing } => Slot::Flag(subsurface_sharing),
-                "whether light that has entered below one pixel serves the pixels around it, when rays are traced: less noise in the same time, and what is left varies less from pixel to pixel, where light travels a pixel and a half or more below the surface; random walks share where scattering is isotropic and nothing is textured; see [How fast, and why](../speed/how-fast.md#light-shared-between-pixels)", Plain),
+                "whether light that has entered below one pixel serves the pixels around it, when rays are traced: less noise in the same time, and what is left varies less from pixel to pixel, where light travels a pixel and a half or more below the surface; random walks share where scattering is isotropic; see [How fast, and why](../speed/how-fast.md#light-shared-between-pixels)", Plain),
             field!(Integrator { point_tolerance } => Slot::Number(point_tolerance, Interval::closed(0.001, 1.0)),
                 "relative error that the point-based method may make, {range}", Plain),
             field!(Integrator { point_memory } => Slot::Count(point_memory, WholeInterval::new(1, 1 << 20)),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel, WalkSurface};
+use translucid_scene::{ColorInput, Scene, SubsurfaceMethod, SubsurfaceModel, WalkSurface};
 
 use super::kernel::{Cutting, KernelRecipe, SubsurfaceKernel, unfitted};
 use super::note::{Note, NoteKind, Remark};
@@ -133,11 +133,12 @@ impl Recipes {
                 let notes =
                     Note::of_nearest(material, surface.name_of_walk(), recipe.g_and_eta()).into_iter();
                 let notes = notes.chain(Note::of_walk(scene, material)).collect();
-                let is_even = material.subsurface_color.texture.is_none()
+                let is_even = |input: &ColorInput| input.texture.is_none() && !input.vertex_color;
+                let is_even = is_even(&material.subsurface_color)
                     && material.subsurface_radius.texture.is_none()
-                    && material.subsurface_radius_scale.texture.is_none();
-                let share = scene.integrator.subsurface_sharing && is_even;
-                Made::new(SubsurfaceTransport::Walk(Walks { medium, share }), notes)
+                    && is_even(&material.subsurface_radius_scale);
+                let share = scene.integrator.subsurface_sharing;
+                Made::new(SubsurfaceTransport::Walk(Walks { medium, share, is_even }), notes)
             }
             Err(error) => self.stand_in(scene, index, surface.name_of_walk(), &error.to_string()),
         }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::Walks;
 use super::flight::{FIRST_STRETCH, STRETCH};
 use super::random::WalkRandom;
 use super::shared::{LightNumbers, SharedWalk, WalkContinuation};
@@ -12,14 +13,13 @@ use crate::sampling::Sampler;
 use crate::subsurface::entry_point::entry_bsdf;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracer;
-use crate::surface::WalkMedium;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
 use crate::world::{BlockPlace, Layer, MisOrigin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 /// Sets of four numbers that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
 const STRATIFIED: u32 = 5;
 
-impl WalkMedium {
+impl Walks {
     /// Leaves the surface through the volume below, where the light of this path may end; false where it is over.
     pub(super) fn scatter_clear<'a, T: Tracer<'a>>(
         &self,
@@ -31,16 +31,18 @@ impl WalkMedium {
         sampler: &mut Sampler,
     ) -> bool {
         let normal = exit.point.geometric_normal * exit.side;
-        let toward = path.ray.direction;
-        let direction = if self.eta == 1.0 { Some(toward) } else { refract(-toward, normal, self.eta) };
+        let (toward, eta) = (path.ray.direction, self.medium.eta);
+        let direction = if eta == 1.0 { Some(toward) } else { refract(-toward, normal, eta) };
         let Some(direction) = direction else { return false };
         let mut random = WalkRandom::new(sampler, STRATIFIED);
-        let Some(mut walk) = Walk::enter(world, path, exit, self, direction) else { return false };
+        let Some(mut walk) = Walk::enter(world, path, exit, &self.medium, direction) else { return false };
         let entered = walk.throughput.element_sum();
         let [flight, ..] = random.next_4d(sampler);
         let mut onward = ThroughClear { world, exit, random, entered };
-        let place = place.filter(|_| self.eta == 1.0 && !is_last(world, path));
-        let Some(place) = place.and_then(|place| walk.shared_place(tracer, path, sampler, place)) else {
+        let place = place.filter(|_| eta == 1.0 && !is_last(world, path));
+        let Some(place) =
+            place.and_then(|place| walk.shared_place(tracer, self, path, sampler, (exit, place)))
+        else {
             return onward.finish(&mut walk, path, sampler, flight);
         };
         let of_light = LightNumbers::AtCollision(onward.random.next_4d(sampler));
@@ -139,7 +141,8 @@ impl Walk<'_> {
         }
         let of_light = random.next_4d(sampler);
         if self.eta == 1.0 {
-            self.add_light_at_collision(world, path, of_light);
+            let distance = self.add_light_at_collision(world, path, of_light);
+            self.media.weigh(path.sample.radiance(), distance);
         } else {
             self.add_refracted_light(world, path, of_light, random.next_1d());
         }
@@ -196,24 +199,25 @@ impl Walk<'_> {
     /// Adds light from one sampled light, scattered at a collision.
     ///
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
-    /// walk's own are, but longer, and only if it gets out of the body the way to the light is looked at.
-    pub(super) fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
+    /// walk's own are, but longer, and only if it gets out of the body the way to the light is looked at. Returns the light's way
+    /// through the body.
+    fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) -> f32 {
         let flights = self.flights.stretched(STRETCH);
         let length = flights.sample(self.throughput, u[3]);
         // A light is not even chosen where no flight gets out
         if self.body.surely_holds(self.at, length) {
-            return;
+            return 0.0;
         }
         let Some(light) = world.lights.sample(self.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
-            return;
+            return 0.0;
         };
         self.add_light(world, path, &light, length, |distance| {
             self.flights.pass_stretched(&flights, self.throughput, distance)
-        });
+        })
     }
 
     /// Adds the light of a sample, scattered at a collision, if the body ends before such a `length` in its direction; its
-    /// `throughput` is that of a walk that has come to the end.
+    /// `throughput` is that of a walk that has come to the end. Returns the distance.
     fn add_light(
         &self,
         world: &World,
@@ -221,12 +225,12 @@ impl Walk<'_> {
         light: &LightSample,
         length: f32,
         throughput: impl FnOnce(f32) -> Vec3,
-    ) {
+    ) -> f32 {
         let end = self.body.fly(self.at, light.direction, length);
-        let FlightEnd::Boundary { distance, hit } = end else { return };
+        let FlightEnd::Boundary { distance, hit } = end else { return 0.0 };
         // The walk does not see lights inside the body
         if distance >= light.distance {
-            return;
+            return 0.0;
         }
         let phase = self.phase.pdf(self.direction.dot(light.direction));
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, phase) };
@@ -237,6 +241,7 @@ impl Walk<'_> {
         let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
         let received = weighed(world.unoccluded(&point, &beyond, medium), mis / light.pdf);
         path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
+        distance
     }
 
     /// Factor of the surface on a radiance that enters from a direction; see the head of the module.

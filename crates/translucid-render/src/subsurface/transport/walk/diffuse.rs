@@ -6,6 +6,7 @@
 use glam::Vec3;
 use translucid_scene::WalkSurface;
 
+use super::Walks;
 use super::random::WalkRandom;
 use super::shared::{LightNumbers, MOST_GENERATIONS, SharedWalk, WalkContinuation};
 use super::state::Walk;
@@ -23,7 +24,7 @@ use crate::world::{BlockPlace, PathState, World};
 /// walk's end.
 const STRATIFIED: u32 = 3;
 
-impl WalkMedium {
+impl Walks {
     /// Leaves the surface through the volume below, and goes on where light enters it; false where the path is over.
     pub(super) fn scatter_diffuse<'a, T: Tracer<'a>>(
         &self,
@@ -37,12 +38,14 @@ impl WalkMedium {
         let at_the_end = [sampler.reserve(), sampler.reserve()];
         let mut random = WalkRandom::new(sampler, STRATIFIED);
         let u = random.next_4d(sampler);
-        let direction = self.direction_below(world, path, exit, [u[0], u[1]]);
-        let walk = direction.and_then(|direction| Walk::enter(world, path, exit, self, direction));
+        let direction = self.medium.direction_below(world, path, exit, [u[0], u[1]]);
+        let walk = direction.and_then(|direction| Walk::enter(world, path, exit, &self.medium, direction));
         let Some(mut walk) = walk else { return false };
         let entered = walk.throughput.element_sum();
         let mut onward = ToMatteEnd { world, random, at_the_end, entered };
-        let Some(place) = place.and_then(|place| walk.shared_place(tracer, path, sampler, place)) else {
+        let Some(place) =
+            place.and_then(|place| walk.shared_place(tracer, self, path, sampler, (exit, place)))
+        else {
             return onward.finish(&mut walk, path, sampler, u[2]);
         };
         let of_flight = onward.random.next_4d(sampler);
@@ -52,7 +55,9 @@ impl WalkMedium {
         let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| onward.enter(&walk, path, &hit))
     }
+}
 
+impl WalkMedium {
     /// Direction in which the view goes on below the surface; `None` if it does not.
     fn direction_below(
         &self,

@@ -22,6 +22,7 @@
 
 mod attenuation;
 mod clear;
+mod common_medium;
 mod diffuse;
 mod exit_plane;
 mod flight;
@@ -47,8 +48,10 @@ use crate::world::{PathState, World};
 /// The walks of a material.
 pub(crate) struct Walks {
     pub(crate) medium: Arc<WalkMedium>,
-    /// Walks of a block of pixels share their light: all are in the same medium.
+    /// Walks of a block of pixels share their light.
     pub(crate) share: bool,
+    /// All are in the same medium.
+    pub(crate) is_even: bool,
 }
 
 impl Walks {
@@ -65,9 +68,9 @@ impl Walks {
         // than walks that enter through the first mesh, and leave where those continue
         let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
         match self.medium.surface {
-            WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, place, sampler),
+            WalkSurface::Clear => self.scatter_clear(tracer, world, path, exit, place, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
-                self.medium.scatter_diffuse(tracer, world, path, exit, place, sampler)
+                self.scatter_diffuse(tracer, world, path, exit, place, sampler)
             }
         }
     }

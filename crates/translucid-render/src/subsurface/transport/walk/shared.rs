@@ -33,8 +33,12 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_profile::split_mix::split_mix;
+use translucid_scene::WalkSurface;
 
+use super::Walks;
+use super::common_medium::{CommonMedia, Media, Medium, WalkKind};
 use super::exit_plane::ExitPlane;
+use super::flight::Flights;
 use super::flight_kernel::{FlightKernel, FlightPlace};
 use super::state::Walk;
 use super::tilt::Tilt;
@@ -90,6 +94,9 @@ pub(super) struct SharedPlace {
     sample: usize,
     /// Column and row of the part that it shares with.
     part: [usize; 2],
+    /// The medium that it shares in.
+    medium: Medium,
+    media: Media,
 }
 
 /// A walk that shares: the exit where it begins, its place, and random numbers.
@@ -156,6 +163,7 @@ pub(super) trait WalkContinuation<'a> {
 #[derive(Default)]
 pub(in crate::subsurface::transport) struct SharedCollisions<'a> {
     generations: [Gathering<Collision<'a>>; MOST_GENERATIONS],
+    media: CommonMedia,
 }
 
 impl SharedCollisions<'_> {
@@ -171,20 +179,18 @@ impl SharedCollisions<'_> {
             from[0].resolve(stop, |index, _, light| found_before.found_mut(index).light += light);
         }
         self.generations[0].resolve(stop, add);
+        self.media.clear();
     }
 
     /// Forgets all collisions.
     pub(in crate::subsurface::transport) fn clear(&mut self) {
         self.generations.iter_mut().for_each(Gathering::clear);
+        self.media.clear();
     }
 }
 
-/// Properties common to walks with the same light: the exit's kind, the bits of σ_t and α by channel, the number of flights
-/// after which they are given up, and `true` if they end at a matte surface.
-type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool);
-
-/// Properties common to walks that share: their kind, and their part of the block.
-type SharingKind = (WalkKind, [usize; 2]);
+/// Properties common to walks that share: their kind, the bits of σ_t and α of their common medium, and their part of the block.
+type SharingKind = (WalkKind, [[u32; 3]; 2], [usize; 2]);
 
 /// Returns `true` if one part of a block gives the other the light to expect: parts above and below each other in one
 /// generation, parts beside each other in the next.
@@ -216,6 +222,21 @@ pub(in crate::subsurface::transport) struct FlightLight {
     own_weight: f32,
     /// Radiance that comes from there.
     light: Vec3,
+}
+
+/// Light that a flight from a collision finds.
+struct FlightEnds {
+    /// Where it ends, inside and on a matte surface.
+    found: [Option<FlightLight>; 2],
+    /// Light that has come through a clear surface, times the walk's throughput: it serves no other walk.
+    passed: Vec3,
+    /// All light on the walk's own way, through its own medium and through the common one, times the walk's throughput; without
+    /// use where both are one.
+    of_path: [Vec3; 2],
+}
+
+impl FlightEnds {
+    const NONE: Self = Self { found: [None; 2], passed: Vec3::ZERO, of_path: [Vec3::ZERO; 2] };
 }
 
 impl FoundLight for FlightLight {
@@ -268,7 +289,13 @@ impl FullReceiver for Collision<'_> {
     }
 
     fn tells_of(&self, other: &Self) -> bool {
-        self.kind.0 == other.kind.0 && tell_each_other(self.kind.1, other.kind.1, self.generation)
+        let medium = |one: &Self| {
+            let [sigma_t, alpha] = one.kind.1.map(|bits| Vec3::from_array(bits.map(f32::from_bits)));
+            Medium { sigma_t, alpha }
+        };
+        self.kind.0 == other.kind.0
+            && tell_each_other(self.kind.2, other.kind.2, self.generation)
+            && medium(self).is_near(&medium(other))
     }
 
     fn expected_part(&self) -> Vec3 {
@@ -284,10 +311,11 @@ impl<'a> Walk<'a> {
     /// The place in which the walk of a path shares from its first collision on; `None` if it may not share.
     pub(super) fn shared_place<T: Tracer<'a>>(
         &self,
-        tracer: &T,
+        tracer: &mut T,
+        walks: &Walks,
         path: &PathState,
         sampler: &Sampler,
-        place: BlockPlace,
+        (exit, place): (&ExitPoint<'_>, BlockPlace),
     ) -> Option<SharedPlace> {
         let sigma_t = self.flights.sigma_t();
         let longest = (0..3).filter(|&c| sigma_t[c] > 0.0).map(|c| sigma_t[c].recip()).fold(0.0, f32::max);
@@ -298,10 +326,22 @@ impl<'a> Walk<'a> {
             && (0..3).all(usual)
             && self.throughput.max_element() > LEAST_THROUGHPUT
             && pixels >= LEAST_PIXELS;
-        may_share.then(|| {
-            let part = place.rectangle(PART, place.offset(SPREAD * pixels, sampler.fork()));
-            SharedPlace { sample: place.number, part }
-        })
+        if !may_share {
+            return None;
+        }
+        let part = place.rectangle(PART, place.offset(SPREAD * pixels, sampler.fork()));
+        let own = Medium { sigma_t, alpha: self.alpha };
+        let medium = if walks.is_even {
+            own
+        } else {
+            let kind = self.kind(exit, path, walks.medium.surface != WalkSurface::Clear);
+            tracer.scratch().collisions.media.choose(part, kind, own)?
+        };
+        Some(SharedPlace { sample: place.number, part, medium, media: Media::new(&own, &medium) })
+    }
+
+    fn kind(&self, exit: &ExitPoint<'_>, path: &PathState, is_matte: bool) -> WalkKind {
+        (ExitKind::new(exit, path), self.most_events, is_matte)
     }
 
     /// Goes through the body with the light that the block shares. Returns where the body ends if some of the first flight
@@ -355,10 +395,13 @@ impl<'a> Walk<'a> {
         // If there are two: the one that a single flight by this number would have led to
         let mut walk = collided[((sharing.of_first * count) as usize).min(collided.len() - 1)];
         walk.throughput *= count;
+        walk.alpha = sharing.place.media.alpha();
         let [a, b, of_flight, of_picks] = sharing.of_flight;
         walk.scatter([a, b]);
-        let found = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);
-        let mut found = found.into_iter().flatten();
+        let ends = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);
+        let [own, common] = ends.of_path;
+        path.add_to(path.layer_after(Layer::Subsurface), ends.passed + (own - common));
+        let mut found = ends.found.into_iter().flatten();
         for (k, first) in collided.iter().enumerate() {
             let account = Account {
                 sample: sharing.place.sample,
@@ -379,12 +422,10 @@ impl<'a> Walk<'a> {
         account: Account,
         (generation, share): (usize, f32),
     ) -> Collision<'a> {
-        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-        let sigma_t = self.flights.sigma_t();
-        let exit = sharing.exit;
-        let of_exit = ExitKind::new(exit, path);
-        let of_walk = (of_exit, bits(sigma_t), bits(self.alpha), self.most_events, sharing.is_matte());
-        let kind = (of_walk, sharing.place.part);
+        let (exit, sigma_t) = (sharing.exit, self.flights.sigma_t());
+        let SharedPlace { medium, part, .. } = sharing.place;
+        let bits = [medium.sigma_t, medium.alpha].map(|v| v.to_array().map(f32::to_bits));
+        let kind = (self.kind(exit, path, sharing.is_matte()), bits, part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
         let plane =
             ExitPlane::new(exit.point.position, exit.point.geometric_normal * exit.side, self.at.position);
@@ -392,8 +433,7 @@ impl<'a> Walk<'a> {
         Collision { kind, generation, account, body: self.body, at: self.at, kernel, plane, is_complete }
     }
 
-    /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds light that comes
-    /// through a clear surface to the path.
+    /// Flies from a collision of a generation by the number `flight`, to light where the flight ends.
     fn find<T: Tracer<'a>>(
         mut self,
         tracer: &mut T,
@@ -402,12 +442,12 @@ impl<'a> Walk<'a> {
         sharing: &SharedWalk<'_, 'a>,
         (generation, flight): (usize, f32),
         onward: &mut impl WalkContinuation<'a>,
-    ) -> [Option<FlightLight>; 2] {
+    ) -> FlightEnds {
         let world = sharing.world;
         let length = self.flights.sample(self.throughput, flight);
 
         // Find where the flight ends, and where it leaves the body: one of these places, should there be more
-        let (mut end, mut ends) = (None, 0);
+        let (mut end, mut ends, mut is_first) = (None, 0, true);
         let inside = match self.body.fly(self.at, self.direction, length) {
             FlightEnd::Inside(at) => Some(at),
             FlightEnd::Boundary { distance, hit } => {
@@ -417,17 +457,28 @@ impl<'a> Walk<'a> {
                     ends += 1;
                     random = split_mix(random);
                     if sharing.is_matte() && random.is_multiple_of(ends) {
-                        end = Some((distance, hit));
+                        (end, is_first) = (Some((distance, hit)), false);
                     }
                 })
             }
         };
+        let is_inside = ends == 0;
+        // First flights after a collision are through the own medium
+        let (media, is_own) = (sharing.place.media, generation == 0);
 
         // Find the light there: light through a clear surface comes from one direction, and serves no other walk
+        let mut found = FlightEnds::NONE;
         let scattered = inside.and_then(|at| {
             self.scattered_at(tracer, path, sampler, sharing, (generation, at, length), onward)
         });
-        let mut entered = None;
+        if let Some((scattered, of_path)) = scattered {
+            found.found[0] = Some(scattered);
+            if is_inside && media.differ() {
+                let throughput = self.flights.collide(self.throughput, length);
+                found.of_path = of_path.map(|light| throughput * light);
+                found.of_path[0] *= if is_own { Vec3::ONE } else { media.colliding(length) };
+            }
+        }
         if let Some((distance, hit)) = end {
             let throughput = self.flights.pass(self.throughput, distance);
             if let LightNumbers::AtSurface(numbers) = sharing.of_light {
@@ -437,17 +488,24 @@ impl<'a> Walk<'a> {
                 let along = arrival_along(tracer, path, &entry, throughput, sampler, of_direction);
                 // In its plane, which the flight's length is not exact enough for in a thin body
                 let place = FlightPlace { position: entry.point.position, normal: self.body.normal(&hit) };
-                entered = Some(FlightLight { place, own_weight: ends as f32, light: direct + along.light });
+                let light = direct + along.light;
+                found.found[1] = Some(FlightLight { place, own_weight: ends as f32, light });
+                if is_first && media.differ() {
+                    found.of_path = [throughput * light * ends as f32; 2];
+                    found.of_path[0] *= if is_own { Vec3::ONE } else { media.passing(distance) };
+                }
             } else {
                 self.throughput = throughput;
                 let mut branch = path.branch(Vec3::ONE);
                 if self.leave(world, &mut branch, sharing.exit, &hit) {
                     tracer.follow(&mut branch, sampler);
                 }
-                path.add_to(path.layer_after(Layer::Subsurface), branch.sample.radiance());
+                found.passed = branch.sample.radiance();
+                found.of_path[0] += found.passed * if is_own { Vec3::ONE } else { media.passing(distance) };
+                found.of_path[1] += found.passed;
             }
         }
-        [scattered, entered]
+        found
     }
 
     /// Light that is scattered where a flight of this length from a generation ends: at a collision of the next generation,
@@ -460,7 +518,7 @@ impl<'a> Walk<'a> {
         sharing: &SharedWalk<'_, 'a>,
         (generation, at, length): (usize, Inside, f32),
         onward: &mut W,
-    ) -> Option<FlightLight> {
+    ) -> Option<(FlightLight, [Vec3; 2])> {
         let own = self.flights.collide(self.throughput, length) * self.alpha;
         let scatters = self.alpha.cmpgt(Vec3::ZERO) & self.flights.sigma_t().cmpgt(Vec3::ZERO);
         let worth =
@@ -471,32 +529,46 @@ impl<'a> Walk<'a> {
         let place = FlightPlace { position: at.position, normal: Vec3::ZERO };
         // A place without light counts, too, where light is expected
         if worth.max_element() <= LEAST_WORTH {
-            return Some(FlightLight { place, own_weight: 1.0, light: Vec3::ZERO });
+            return Some((FlightLight { place, own_weight: 1.0, light: Vec3::ZERO }, [Vec3::ZERO; 2]));
         }
         let next = generation + 1;
         // The weights of more tilted flights would add up to noise where light comes from behind
         let tilt = if next < W::GENERATIONS { self.tilt } else { Tilt::NONE };
-        let collided = Self { at, tilt, throughput: worth, events: self.events + 1, ..*self };
+        let SharedPlace { medium, media, .. } = sharing.place;
+        let (events, flights) = (self.events + 1, Flights::new(medium.sigma_t));
+        let collided = Self { at, tilt, throughput: worth, events, flights, media, ..*self };
         let mut walk = collided;
         let mut branch = path.branch(worth);
         let flight = onward.turn(&mut walk, &mut branch, sampler);
+        // Light that comes there through the own medium and the common one, and that of it which is shared
+        let (of_path, shared);
         if next < W::GENERATIONS {
-            let found = flight.map_or([None; 2], |flight| {
+            let ends = flight.map_or(FlightEnds::NONE, |flight| {
                 walk.find(tracer, &mut branch, sampler, sharing, (next, flight), onward)
             });
+            let here = branch.sample.radiance();
+            (of_path, shared) = (ends.of_path.map(|light| light + here), here + ends.passed);
             let generations = &mut tracer.scratch().collisions.generations;
             let account = Account {
                 sample: generations[generation].found_count(),
                 layer: Layer::Subsurface,
-                throughput: Vec3::select(scatters, self.alpha, Vec3::ZERO),
+                throughput: Vec3::select(scatters, medium.alpha, Vec3::ZERO),
                 random: onward.number(),
             };
             let receiver = collided.receiver(path, sharing, account, (next, onward.survival(&collided)));
-            generations[next].push(receiver, found.into_iter().flatten());
-        } else if flight.is_some_and(|flight| onward.finish(&mut walk, &mut branch, sampler, flight)) {
-            tracer.follow(&mut branch, sampler);
+            generations[next].push(receiver, ends.found.into_iter().flatten());
+        } else {
+            if flight.is_some_and(|flight| onward.finish(&mut walk, &mut branch, sampler, flight)) {
+                tracer.follow(&mut branch, sampler);
+            }
+            walk.media.weigh(branch.sample.radiance(), 0.0);
+            of_path = walk.media.light(branch.sample.radiance());
+            shared = of_path[1];
         }
-        let light = Vec3::select(scatters, self.alpha * branch.sample.radiance() / worth, Vec3::ZERO);
-        Some(FlightLight { place, own_weight: 1.0, light })
+        let scattered = |alpha: Vec3, light: Vec3| Vec3::select(scatters, alpha * light / worth, Vec3::ZERO);
+        let light = scattered(medium.alpha, shared);
+        let [own, common] = media.alphas();
+        let of_path = [scattered(own, of_path[0]), scattered(common, of_path[1])];
+        Some((FlightLight { place, own_weight: 1.0, light }, of_path))
     }
 }

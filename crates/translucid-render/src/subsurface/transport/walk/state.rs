@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::common_medium::Media;
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
 use super::tilt::Tilt;
@@ -28,6 +29,8 @@ pub(super) struct Walk<'a> {
     pub(super) tilt: Tilt,
     /// Single-scattering albedo per channel.
     pub(super) alpha: Vec3,
+    /// The media in which light along the walk is weighed.
+    pub(super) media: Media,
     /// Relative index of the boundary, 1 without one.
     pub(super) eta: f32,
     pub(super) at: Inside,
@@ -70,6 +73,7 @@ impl<'a> Walk<'a> {
             phase: HenyeyGreenstein::new(medium.g),
             tilt: Tilt::NONE,
             alpha: medium.single_scattering_albedo(surface_albedo),
+            media: Media::ONE,
             eta: medium.eta,
             at,
             direction,
@@ -90,10 +94,12 @@ impl<'a> Walk<'a> {
         match self.body.fly(self.at, self.direction, (length - skipped).max(0.0)) {
             FlightEnd::Boundary { distance, hit } => {
                 self.throughput = self.flights.pass(self.throughput, distance + skipped);
+                self.media.pass(distance + skipped);
                 Some(hit)
             }
             FlightEnd::Inside(at) => {
                 self.throughput = self.flights.collide(self.throughput, length) * self.alpha;
+                self.media.collide(length);
                 self.has_scattered = true;
                 self.at = at;
                 None
