@@ -3,6 +3,7 @@
 
     python3 benches/peers/artists.py [--blender PYTHON[,PYTHON…]] [--ours WHEELDIR [WHEELDIR …]] [--without-cycles]
                                      [--scenes head,milk] [--spp 8,16] [--pairs 2] [--size 384] [--save DIR] [--json FILE]
+                                     [--export DIR]
 
 README.md says what is measured and how. Each PYTHON has a version of bpy, each WHEELDIR an installed wheel of translucid.
 Without them the first run installs bpy from PyPI into target/peers, and builds a wheel.
@@ -131,20 +132,8 @@ def save(folder, version, scene, means):
     difference = 0.5 + 4 * (first - last) / (first + last + 0.1)
     encode = lambda x: np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
     sheet = np.concatenate([encode(np.clip(first, 0, 1)), encode(np.clip(last, 0, 1)), np.clip(difference, 0, 1)], axis=1)
-    write_png(Path(folder) / f"{scene}-{version}.png", (sheet * 255 + 0.5).astype(np.uint8))
-
-
-def write_png(path, pixels):
-    """An 8-bit RGB file."""
-    import struct
-    import zlib
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    height, width, _ = pixels.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.reshape(height, -1)], axis=1).tobytes()
-    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    png.write(Path(folder) / f"{scene}-{version}.png", (sheet * 255 + 0.5).astype(np.uint8))
 
 
 def measure(python, wheels, arguments):
@@ -164,6 +153,11 @@ def measure(python, wheels, arguments):
             print(f"{scene}: {name} is not in the folder TRANSLUCID_ASSETS", flush=True)
         if not answer["made"]:
             print(f"{scene}: left out", flush=True)
+            continue
+        if arguments.export:
+            folder = Path(arguments.export).resolve() / f"{scene}-{version}"
+            blenders[0].ask(do="export", file=str(file), size=arguments.size, folder=str(folder))
+            print(f"{folder / 'scene.toml'}", flush=True)
             continue
         results, means = compare(file, systems, arguments)
         file.unlink()
@@ -204,6 +198,7 @@ def main():
     parser.add_argument("--size", default=384, type=int)
     parser.add_argument("--reference-samples", default=64, type=int)
     parser.add_argument("--save", help="folder for pictures of both, and their difference")
+    parser.add_argument("--export", help="folder for the scenes as files of the command translucid; nothing is measured")
     parser.add_argument("--json", type=Path, help="file for all figures")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/speed/how-fast.md")
     arguments = parser.parse_args()
@@ -232,5 +227,7 @@ if __name__ == "__main__":
         # The first Blender's Python has it
         python = sys.argv[sys.argv.index("--blender") + 1].split(",")[0]
         os.execv(python, [python, *sys.argv])
+    import png
+
     peers.np = np
     main()

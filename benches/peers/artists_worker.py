@@ -1,6 +1,7 @@
 """Blender as a worker of artists.py: reads one JSON command a line, answers one JSON line.
 
     {"do": "build", "scene": "head", "file": "head.blend"}      answers {"made": true}, or what is missing
+    {"do": "export", "file": "head.blend", "size": 384, "folder": "head"}      writes the files of the command translucid
     {"do": "render", "file": "head.blend", "engine": "CYCLES", "size": 384, "spp": 8, "seed": 1, "out": "a.npy"}
                                         answers {"cpu": seconds, "said": messages of the extension}
 
@@ -19,6 +20,7 @@ os.dup2(2, 1)
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "blender" / "tests"))
 
+import artists_files  # noqa: E402
 import artists_scenes  # noqa: E402
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
@@ -64,12 +66,20 @@ class Worker:
         bpy.ops.wm.save_as_mainfile(filepath=command["file"])
         return {"made": made, "missing": missing, "version": bpy.app.version_string}
 
-    def render(self, command):
+    def open(self, command):
         if self.opened != command["file"]:
             bpy.ops.wm.open_mainfile(filepath=command["file"])
             self.opened = command["file"]
-        scene, ours = bpy.context.scene, bpy.context.scene.translucid
+        scene = bpy.context.scene
         scene.render.resolution_x = scene.render.resolution_y = command["size"]
+        return scene.translucid
+
+    def export(self, command):
+        self.open(command)
+        return {"said": artists_files.write(Path(command["folder"]))}
+
+    def render(self, command):
+        ours = self.open(command)
         ours.samples, ours.seed = command["spp"], command["seed"]
         for name, value in command.get("settings", {}).items():
             setattr(ours, name, value)
@@ -86,7 +96,7 @@ def main():
     worker = Worker()
     for line in sys.stdin:
         command = json.loads(line)
-        answer = {"build": worker.build, "render": worker.render}[command["do"]](command)
+        answer = {"build": worker.build, "export": worker.export, "render": worker.render}[command["do"]](command)
         print(json.dumps(answer), file=answers, flush=True)
 
 
