@@ -11,6 +11,7 @@ Without them the first run installs bpy from PyPI into target/peers, and builds 
 
 import argparse
 import json
+import math
 import os
 import subprocess
 import sys
@@ -21,7 +22,7 @@ import peers
 ROOT, CACHE = peers.ROOT, peers.CACHE / "artists"
 SCENES = "head,figure,milk,jade,candle,marble,fruit,soap,hand,food"
 PAGE = ROOT / "docs" / "speed" / "how-fast.md"
-BEGIN, END = "<!-- measured: python3 benches/peers/artists.py --write -->\n", "<!-- end of what was measured -->"
+BEGIN, END = "<!-- measured: python3 benches/peers/artists.py --blender PYTHON,PYTHON --write -->\n", "<!-- end of what was measured -->"
 PLAIN = {"use_sharing": True, "use_denoising": False}
 
 
@@ -29,9 +30,9 @@ class Blender:
     """A worker process, see artists_worker.py: a version of Blender with a wheel of translucid."""
 
     def __init__(self, python, wheel):
-        self.name = Path(wheel).name
+        self.name = Path(wheel).resolve().name
         CACHE.mkdir(parents=True, exist_ok=True)
-        self.log = CACHE / f"{os.getpid()}-{id(self)}.log"
+        self.log = CACHE / f"{os.getpid()}-{self.name}.log"
         environment = {**os.environ, "PYTHONPATH": str(Path(wheel).resolve())}
         worker = [python, Path(__file__).with_name("artists_worker.py")]
         pipe, log = subprocess.PIPE, open(self.log, "w")
@@ -70,60 +71,51 @@ class System:
 
 
 def compare(file, systems, arguments):
-    """The measures of a scene: for each system by number of samples relMSE and seconds, its light, its messages, its picture."""
+    """For each system its preparation, relMSE and seconds by number of samples, light and messages; and its mean picture."""
     size = arguments.size
     # What a picture of four pixels takes: the scene's preparation
     start = {s.name: float(np.median([s.image(file, 2, 1, seed)[1] for seed in range(3)])) for s in systems}
-    # Smooth, so that its noise does not count; it only weighs the errors
+    # Smooth, as it only weighs the errors
     reference = systems[0].image(file, size, arguments.reference_samples, 77, use_denoising=True)[0]
-    results = {s.name: {"preparation": start[s.name], "samples": {}} for s in systems}
-    pictures = {s.name: [] for s in systems}
+    found = {s.name: {spp: [] for spp in arguments.spp} for s in systems}
+    means = {s.name: [] for s in systems}
     for spp in arguments.spp:
-        found = {s.name: [] for s in systems}
         for pair in range(arguments.pairs):
-            images = {s.name: [] for s in systems}
-            for seed in (2 * pair, 2 * pair + 1):
-                for system in systems:
-                    images[system.name].append(system.image(file, size, spp, 1000 * spp + seed))
-            for name, ((first, seconds), (second, more)) in images.items():
+            turns = [(s.name, *s.image(file, size, spp, 1000 * spp + 2 * pair + k)) for k in (0, 1) for s in systems]
+            for system in systems:
+                (first, seconds), (second, more) = (turn[1:] for turn in turns if turn[0] == system.name)
                 error = peers.relative_variance(first, second, reference)
-                found[name].append((error, max((seconds + more) / 2 - start[name], 1e-3)))
-                pictures[name] += [(first + second) / 2]
-        for name, values in found.items():
-            errors, seconds = np.array(values).T
-            results[name]["samples"][spp] = {"relMSE": errors.mean(), "cpu": seconds.mean(), "pairs": values}
+                found[system.name][spp].append((error, max((seconds + more) / 2 - start[system.name], 1e-3)))
+                means[system.name].append((first + second) / 2)
+    results = {}
     for system in systems:
-        light = np.array([picture[..., :3].sum(axis=(0, 1), dtype=float) for picture in pictures[system.name]])
-        results[system.name]["light"] = light.mean(axis=0).tolist()
-        results[system.name]["light_error"] = (light.std(axis=0, ddof=1) / len(light) ** 0.5).tolist() if len(light) > 1 else [0.0] * 3
-        results[system.name]["said"] = system.said
-    means = {s.name: np.mean(pictures[s.name], axis=0) for s in systems}
-    return results, means
-
-
-def cost(result, spp):
-    return result["samples"][spp]["relMSE"] * result["samples"][spp]["cpu"]
+        light = np.array([image[..., :3].sum(axis=(0, 1), dtype=float) for image in means[system.name]])
+        figures = {spp: np.mean(values, axis=0).tolist() for spp, values in found[system.name].items()}
+        results[system.name] = {
+            "preparation": start[system.name],
+            "relMSE, CPU s": figures,
+            "pairs": found[system.name],
+            "light": light.mean(axis=0).tolist(),
+            "said": system.said,
+        }
+    return results, {name: np.mean(images, axis=0) for name, images in means.items()}
 
 
 def geometric_mean(values):
     return float(np.exp(np.mean(np.log(values))))
 
 
-def row(name, results, systems, spps):
-    """A line of the table: each system over the last one, which is Cycles, or the first build."""
-    base = results[systems[-1].name if systems[-1].engine == "CYCLES" else systems[0].name]
-    lines = []
-    for system in [s for s in systems if results[s.name] is not base]:
-        ours = results[system.name]
-        ratios = [cost(ours, spp) / cost(base, spp) for spp in spps]
-        light = np.array(ours["light"]) / np.array(base["light"])
-        doubt = np.hypot(*(np.array(r["light_error"]) / np.array(r["light"]) for r in (ours, base)))
-        cells = [f"{ratio:.2f}" for ratio in ratios] + [f"**{geometric_mean(ratios):.2f}**"]
-        last = spps[-1]
-        cells += [f"{r['samples'][last]['relMSE']:.2e} · {r['samples'][last]['cpu']:.1f} s" for r in (ours, base)]
-        cells.append(" ".join(f"{x:.3f}" for x in light) + f" (±{doubt.max():.3f})")
-        lines.append((geometric_mean(ratios), f"| {name} | {system.name} | " + " | ".join(cells) + " |"))
-    return lines
+def line(scene, name, ours, other, spps):
+    """A row of the table, and the ratios of relMSE times CPU time in it."""
+    cost = lambda result, spp: math.prod(result["relMSE, CPU s"][spp])
+    ratios = [cost(ours, spp) / cost(other, spp) for spp in spps]
+    words = [f"{error:.2e} · {seconds:.1f} s" for error, seconds in (result["relMSE, CPU s"][spps[-1]] for result in (ours, other))]
+    light = " ".join(f"{a / b:.3f}" for a, b in zip(ours["light"], other["light"]))
+    return row(scene, name, ratios, *words, light), ratios
+
+
+def row(scene, name, ratios, *cells):
+    return f"| {' | '.join([scene, name, *(f'{ratio:.2f}' for ratio in ratios), f'**{geometric_mean(ratios):.2f}**', *cells])} |"
 
 
 def save(folder, version, scene, means):
@@ -137,16 +129,17 @@ def save(folder, version, scene, means):
 
 
 def measure(python, wheels, arguments):
-    """All scenes in one version of Blender; lines of the table."""
+    """All scenes in one version of Blender; its name, the rows of the table and all figures."""
     blenders = [Blender(python, wheel) for wheel in wheels]
-    systems = [System(b.name if len(blenders) > 1 else "translucid", b, "TRANSLUCID") for b in blenders]
+    systems = [System(blender.name, blender, "TRANSLUCID") for blender in blenders]
     if not arguments.without_cycles:
         systems.append(System("Cycles", blenders[0], "CYCLES"))
-    lines, ratios, kept = [], {}, {}
+    # Each is compared with Cycles, or with the first build
+    other = systems[0 if arguments.without_cycles else -1].name
+    compared = [system.name for system in systems if system.name != other]
+    rows, ratios, kept = [], {name: [] for name in compared}, {}
     for scene in arguments.scenes.split(","):
-        folder = CACHE / "files"
-        folder.mkdir(parents=True, exist_ok=True)
-        file = folder / f"{scene}-{os.getpid()}.blend"
+        file = CACHE / f"{scene}-{os.getpid()}.blend"
         answer = blenders[0].ask(do="build", scene=scene, file=str(file))
         version = answer["version"].split()[0]
         for name in answer["missing"]:
@@ -156,32 +149,32 @@ def measure(python, wheels, arguments):
             continue
         if arguments.export:
             folder = Path(arguments.export).resolve() / f"{scene}-{version}"
-            blenders[0].ask(do="export", file=str(file), size=arguments.size, folder=str(folder))
-            print(f"{folder / 'scene.toml'}", flush=True)
+            said = blenders[0].ask(do="export", file=str(file), size=arguments.size, folder=str(folder))["said"]
+            print("\n".join([*said, str(folder / "scene.toml")]), flush=True)
             continue
-        results, means = compare(file, systems, arguments)
+        kept[scene], means = compare(file, systems, arguments)
         file.unlink()
-        kept[scene] = results
-        for message in sorted({text for s in systems for text in s.said}):
+        for message in sorted({text for system in systems for text in system.said}):
             print(f"{scene}: {message}", flush=True)
-        for system, (ratio, line) in zip(systems if arguments.without_cycles is False else systems[1:], row(scene, results, systems, arguments.spp)):
-            ratios.setdefault(system.name, []).append(ratio)
-            lines.append(line)
-            print(line, flush=True)
+        for name in compared:
+            text, found = line(scene, name, kept[scene][name], kept[scene][other], arguments.spp)
+            ratios[name].append(found)
+            rows.append(text)
+            print(text, flush=True)
         if arguments.save:
             save(arguments.save, version, scene, means)
     for blender in blenders:
         blender.close()
-    for name, values in ratios.items():
-        lines.append(f"| geometric mean | {name} | " + " | " * len(arguments.spp) + f"**{geometric_mean(values):.2f}** | | | |")
-        print(lines[-1], flush=True)
-    return version, lines, kept
+    for name in compared if kept else []:
+        rows.append(row("geometric mean", name, [geometric_mean(column) for column in zip(*ratios[name])], "", "", ""))
+        print(rows[-1], flush=True)
+    return version, rows, kept
 
 
 def installed_wheel():
     """The folder of this repository's wheel, built for release."""
     wheel = subprocess.run([ROOT / ".ci" / "wheel", "release"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()[-1]
-    folder = peers.CACHE / "wheel"
+    folder = peers.CACHE / "translucid"
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--upgrade", "--target", folder, wheel]
     subprocess.run(pip, check=True)
     return str(folder)
@@ -204,13 +197,15 @@ def main():
     arguments = parser.parse_args()
     wheels = arguments.ours or [installed_wheel()]
     text, kept = [], {}
+    last = arguments.spp[-1]
+    head = ["scene", "renderer", *(f"{spp} samples" for spp in arguments.spp), "mean"]
+    head += [f"relMSE and CPU time at {last}", "… of the other", "light over the other's, R, G, B"]
     for python in arguments.blender.split(","):
-        head = ["scene", "renderer", *(f"{spp} samples" for spp in arguments.spp), "mean", f"relMSE · CPU at {arguments.spp[-1]}", "of the other", "light over the other's"]
         lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-        print(f"\n{lines[0]}\n{lines[1]}", flush=True)
-        version, more, kept_here = measure(python, wheels, arguments)
-        kept[version] = kept_here
-        text += [f"Blender {version}:", "", *lines, *more, ""]
+        print("\n".join(["", *lines]), flush=True)
+        version, rows, found = measure(python, wheels, arguments)
+        kept[version] = found
+        text += [f"Blender {version}:", "", *lines, *rows, ""]
         if arguments.json:
             arguments.json.write_text(json.dumps(kept, indent=1))
     if arguments.write:
