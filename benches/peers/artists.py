@@ -3,7 +3,7 @@
 
     python3 benches/peers/artists.py [--blender PYTHON[,PYTHON…]] [--ours WHEELDIR [WHEELDIR …]] [--without-cycles]
                                      [--scenes head,milk] [--spp 8,16] [--pairs 2] [--size 384] [--save DIR] [--json FILE]
-                                     [--export DIR]
+                                     [--export DIR] [--denoised]
 
 README.md says what is measured and how. Each PYTHON has a version of bpy, each WHEELDIR an installed wheel of translucid.
 Without them the first run installs bpy from PyPI into target/peers, and builds a wheel.
@@ -101,6 +101,22 @@ def compare(file, systems, arguments):
     return results, {name: np.mean(images, axis=0) for name, images in means.items()}
 
 
+def compare_denoised(scene, file, systems, arguments):
+    """Prints rows of CPU seconds and mean FLIP of denoised pictures, against each engine's own of many samples."""
+    from flip_evaluator import evaluate
+
+    shown = lambda image: np.ascontiguousarray(np.clip(encoded(image[..., :3]), 0, 1), dtype=np.float32)
+    for system in systems:
+        start = system.image(file, 2, 1, 0)[1]
+        truth = shown(system.image(file, arguments.size, arguments.reference_samples, 77, use_denoising=True)[0])
+        for name, settings in {"": {}, ", not shared": {"use_sharing": False}}.items():
+            for spp in arguments.spp if not settings or system.engine != "CYCLES" else ():
+                found = [system.image(file, arguments.size, spp, seed, use_denoising=True, **settings) for seed in range(arguments.pairs)]
+                error = np.mean([evaluate(truth, shown(image), "LDR")[1] for image, _ in found])
+                seconds = np.mean([seconds for _, seconds in found]) - start
+                print(f"| {scene} | {system.name}{name} | {spp} | {seconds:.2f} | {error:.4f} |", flush=True)
+
+
 def geometric_mean(values):
     return float(np.exp(np.mean(np.log(values))))
 
@@ -118,12 +134,16 @@ def row(scene, name, ratios, *cells):
     return f"| {' | '.join([scene, name, *(f'{ratio:.2f}' for ratio in ratios), f'**{geometric_mean(ratios):.2f}**', *cells])} |"
 
 
+def encoded(x):
+    """sRGB codes of linear light."""
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
+
+
 def save(folder, version, scene, means):
     """Pictures as PNG, side by side: ours, the other, and their difference, amplified around gray."""
     first, last = (list(means.values())[k][..., :3] for k in (0, -1))
     difference = 0.5 + 4 * (first - last) / (first + last + 0.1)
-    encode = lambda x: np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
-    sheet = np.concatenate([encode(np.clip(first, 0, 1)), encode(np.clip(last, 0, 1)), np.clip(difference, 0, 1)], axis=1)
+    sheet = np.concatenate([encoded(np.clip(first, 0, 1)), encoded(np.clip(last, 0, 1)), np.clip(difference, 0, 1)], axis=1)
     Path(folder).mkdir(parents=True, exist_ok=True)
     png.write(Path(folder) / f"{scene}-{version}.png", (sheet * 255 + 0.5).astype(np.uint8))
 
@@ -151,6 +171,10 @@ def measure(python, wheels, arguments):
             folder = Path(arguments.export).resolve() / f"{scene}-{version}"
             said = blenders[0].ask(do="export", file=str(file), size=arguments.size, folder=str(folder))["said"]
             print("\n".join([*said, str(folder / "scene.toml")]), flush=True)
+            continue
+        if arguments.denoised:
+            compare_denoised(scene, file, systems, arguments)
+            file.unlink()
             continue
         kept[scene], means = compare(file, systems, arguments)
         file.unlink()
@@ -192,6 +216,7 @@ def main():
     parser.add_argument("--reference-samples", default=64, type=int)
     parser.add_argument("--save", help="folder for pictures of both, and their difference")
     parser.add_argument("--export", help="folder for the scenes as files of the command translucid; nothing is measured")
+    parser.add_argument("--denoised", action="store_true", help="CPU seconds and FLIP of denoised pictures; needs flip-evaluator")
     parser.add_argument("--json", type=Path, help="file for all figures")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/speed/how-fast.md")
     arguments = parser.parse_args()
@@ -200,12 +225,14 @@ def main():
     last = arguments.spp[-1]
     head = ["scene", "renderer", *(f"{spp} samples" for spp in arguments.spp), "mean"]
     head += [f"relMSE and CPU time at {last}", "… of the other", "light over the other's, R, G, B"]
+    if arguments.denoised:
+        head = ["scene", "renderer", "samples", "CPU s", "FLIP"]
     for python in arguments.blender.split(","):
         lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
         print("\n".join(["", *lines]), flush=True)
         version, rows, found = measure(python, wheels, arguments)
         kept[version] = found
-        text += [f"Blender {version}:", "", *lines, *rows, ""]
+        text += [f"Blender {version}, {arguments.size}² pixels, pairs of seeds: {arguments.pairs}", "", *lines, *rows, ""]
         if arguments.json:
             arguments.json.write_text(json.dumps(kept, indent=1))
     if arguments.write:

@@ -4,13 +4,14 @@ Each function builds one in the empty scene at hand. `asset` finds a scan or an 
 """
 
 import math
+from pathlib import Path
 
 import bpy
 import numpy as np
 from harness import LENGTH_PER_MFP, Nodes, add_camera, add_light, add_mesh, link, radians
 from mathutils import Vector
 
-BUST = None  # scenes/bust.ply, which the worker knows
+BUST = Path(__file__).resolve().parents[2] / "scenes" / "bust.ply"
 
 
 # --- materials
@@ -206,39 +207,39 @@ def lamp(location, target, size, energy, color=(1, 1, 1)):
     return look(add_light("AREA", location, size=size, energy=energy, color=color), target)
 
 
-def sky(strength, path=None, turn=0.0):
-    """A world of an environment map, or of a painted sky: bright at the horizon, with a hazy sun of 8 degrees."""
+def background(strength):
+    """A new world's tree, and the node of its light."""
     world = bpy.data.worlds.new("world")
     bpy.context.scene.world = world
     if not world.node_tree:
         world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    background = next(node for node in nodes if node.type == "BACKGROUND")
-    background.inputs["Strength"].default_value = strength
-    texture = nodes.new("ShaderNodeTexEnvironment")
-    if path:
-        texture.image = bpy.data.images.load(path)
-    else:
-        height = np.cos((np.arange(256) + 0.5) / 256 * math.pi)[:, None]
-        around = ((np.arange(512) + 0.5) / 512 * 2 * math.pi)[None, :]
-        above = between(np.clip(height, 0, 1) ** 0.5 + 0 * around, (1.0, 0.95, 0.85), (0.25, 0.45, 0.9))
-        colors = np.where((height + 0 * around)[..., None] > 0, above, (0.2, 0.18, 0.15))
-        cosine = np.sqrt(1 - height**2) * math.cos(0.6) * np.cos(around - 2.0) + height * math.sin(0.6)
-        colors = colors + np.exp((cosine - 1) / 0.0025)[..., None] * np.array([90.0, 75.0, 50.0])
-        texture.image = picture("sky", colors, "float")
-    mapping, coordinates = nodes.new("ShaderNodeMapping"), nodes.new("ShaderNodeTexCoord")
-    mapping.inputs["Rotation"].default_value = (0, 0, turn)
-    links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    links.new(texture.outputs["Color"], background.inputs["Color"])
+    node = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    node.inputs["Strength"].default_value = strength
+    return world.node_tree, node
 
 
 def even_sky(color, strength=1.0):
-    sky(strength, None)
-    tree = bpy.context.scene.world.node_tree
-    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
-    tree.links.remove(background.inputs["Color"].links[0])
-    background.inputs["Color"].default_value = (*color, 1)
+    background(strength)[1].inputs["Color"].default_value = (*color, 1)
+
+
+def sky(strength, path=None, turn=0.0):
+    """A world of an environment map, or of a painted sky: bright at the horizon, with a hazy sun of 8 degrees."""
+    tree, light = background(strength)
+    texture, mapping, coordinates = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexEnvironment", "Mapping", "TexCoord"))
+    texture.image = bpy.data.images.load(path) if path else picture("sky", painted_sky(), "float")
+    mapping.inputs["Rotation"].default_value = (0, 0, turn)
+    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], light.inputs["Color"])
+
+
+def painted_sky():
+    height = np.cos((np.arange(256) + 0.5) / 256 * math.pi)[:, None] + np.zeros((1, 512))
+    around = (np.arange(512) + 0.5) / 512 * 2 * math.pi
+    above = between(np.clip(height, 0, 1) ** 0.5, (1.0, 0.95, 0.85), (0.25, 0.45, 0.9))
+    of_sun = np.sqrt(1 - height**2) * math.cos(0.6) * np.cos(around - 2.0) + height * math.sin(0.6)
+    sun = np.exp((of_sun - 1) / 0.0025)[..., None] * np.array([90.0, 75.0, 50.0])
+    return np.where(height[..., None] > 0, above, (0.2, 0.18, 0.15)) + sun
 
 
 # --- the scenes
@@ -314,7 +315,7 @@ def marble(asset):
     veins = np.abs(np.sin(6 * clouds(3, 512, 512) * math.pi)) ** 0.35
     colors = picture("veins", between(veins, (0.45, 0.43, 0.42), (0.88, 0.86, 0.82)))
     marks = picture("marks", normals(clouds(4, 512, 512, 0.75), 3.0), "Non-Color")
-    owner = wrap(scan(BUST, 2.4, up="Y"), 2.0)
+    owner = wrap(scan(str(BUST), 2.4, up="Y"), 2.0)
     dress(owner, scattering("marble", colors, (0.03, 0.022, 0.016), normal=marks, Roughness=0.4, IOR=1.5))
     floor(plain("ground", (0.4, 0.38, 0.34), Roughness=0.9))
     look(add_light("SUN", (4, -3, 5), energy=3.0, angle=math.radians(0.53), color=(1.0, 0.93, 0.82)), (0, 0, 0))

@@ -17,8 +17,7 @@ from pathlib import Path
 answers = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "blender" / "tests"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "blender" / "tests"))
 
 import artists_files  # noqa: E402
 import artists_scenes  # noqa: E402
@@ -26,7 +25,6 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from harness import combined, messages, new_scene, render_cycles  # noqa: E402
 
-artists_scenes.BUST = str(ROOT / "scenes" / "bust.ply")
 ASSETS = Path(os.environ.get("TRANSLUCID_ASSETS", ""))
 
 
@@ -42,6 +40,12 @@ class Clock:
     def _add(self, sign):
         times = os.times()
         self.seconds += sign * (times.user + times.system)
+
+
+def denoised():
+    """What Cycles renders, by Open Image Denoise with Blender's own settings."""
+    bpy.context.scene.cycles.use_denoising = True
+    return combined()
 
 
 class Worker:
@@ -85,7 +89,8 @@ class Worker:
             setattr(ours, name, value)
         clock = Clock()
         if command["engine"] == "CYCLES":
-            image, said = render_cycles(command["spp"], command["seed"]), []
+            take = denoised if ours.use_denoising else combined
+            image, said = render_cycles(command["spp"], command["seed"], take), []
         else:
             image, said = combined(), messages()
         np.save(command["out"], image)
