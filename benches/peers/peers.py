@@ -103,10 +103,11 @@ class Translucid:
         with tempfile.TemporaryDirectory() as folder:
             out, file = Path(folder) / "image.exr", Path(folder) / "scene.toml"
             # As many bounces as Cycles has
-            bounces = "[integrator]\nmax_depth = 12\nmax_diffuse_depth = 4\n"
-            file.write_text(f"extends = {json.dumps(str(ROOT / 'scenes' / f'{scene}.toml'))}\n{bounces}{lines}\n")
-            command = [self.program, "render", file]
-            command += ["--mesh", ASSETS / MESHES[scene], "--size", f"{size}x{size}", "--spp", str(spp)]
+            bounces = "[integrator]\nmax_depth = 12\nmax_diffuse_depth = 4\n" if scene in MESHES else ""
+            base = ROOT / "scenes" / f"{scene}.toml" if scene in MESHES else Path(scene).resolve()
+            file.write_text(f"extends = {json.dumps(str(base))}\n{bounces}{lines}\n")
+            command = [self.program, "render", file, "--size", f"{size}x{size}", "--spp", str(spp)]
+            command += ["--mesh", ASSETS / MESHES[scene]] if scene in MESHES else []
             command += ["--seed", str(seed), "--threads", "2", "--quiet", "-o", out, *options]
             process = subprocess.Popen(list(map(str, command)))
             _, status, usage = os.wait4(process.pid, 0)
