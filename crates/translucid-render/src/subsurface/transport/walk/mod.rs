@@ -22,6 +22,7 @@
 
 mod attenuation;
 mod clear;
+mod dense;
 mod diffuse;
 mod exit_plane;
 mod flight;
@@ -64,6 +65,9 @@ impl Walks {
         // Through a hole in one mesh of a body, paths see its other meshes from inside. Walks from there count one mesh less
         // than walks that enter through the first mesh, and leave where those continue
         let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
+        if let Some(entry) = self.medium.dense_entry(tracer, world, path, exit, sampler) {
+            return self.medium.enter_dense(world, path, exit, entry, sampler);
+        }
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, place, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
