@@ -101,8 +101,7 @@ impl WalkMedium {
         let first = split_mix(sampler.fork() ^ SALT);
         let [of_limit, of_depth, of_angle, _] = four_numbers(first);
         let limit = |[all, none]: [f32; 2]| width * (all + (none - all) * of_limit);
-        // Also where it is not a number
-        if !(travel < limit(NEARBY)) {
+        if travel.is_nan() || travel >= limit(NEARBY) {
             return None;
         }
 
