@@ -25,7 +25,7 @@
 //!   2013).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
 //! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
-//!   into the parameters of a profile.
+//!   into the parameters of a profile; [`HFunction`]: the light that it reflects, by directions.
 //! - [`convention`]: the same material in the numbers of Blender, pbrt, RenderMan, Unreal and others, and presets.
 //! - [`parse_profile_rows`]: profiles from a table of comma-separated values.
 //! - [`fresnel_from_outside`] and its kin: reflectance of a dielectric boundary, exact and approximate, and
@@ -95,7 +95,7 @@ pub use medium::fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,
 };
-pub use medium::half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
+pub use medium::half_space::{HFunction, half_space_single_scattering_albedo, half_space_surface_albedo};
 pub use medium::media::Medium;
 pub use medium::scaling::{
     Configuration, Parameterization, d_from_surface_albedo, scaling, scaling_from_dmfp_searchlight,

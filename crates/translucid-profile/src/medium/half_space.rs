@@ -39,7 +39,7 @@ pub fn half_space_surface_albedo(single_scattering_albedo: f64, configuration: C
 
 /// 1 − A, what the half space keeps of the light, from √(1 − α): every digit of either near white.
 fn kept(root: f64, configuration: Configuration) -> f64 {
-    let h = HFunction::new(root * root);
+    let h = HFunction::of_absorption(root * root);
     match configuration {
         Configuration::Searchlight => h.eval(1.0) * root,
         Configuration::Diffuse => 2.0 * h.first_moment() * root,
@@ -77,8 +77,19 @@ pub(crate) fn half_space_absorption(surface_albedo: f64, configuration: Configur
     root * root
 }
 
-/// Chandrasekhar's H function of one albedo, as the samples that its integral needs.
-struct HFunction {
+/// Chandrasekhar's H function of one single-scattering albedo, as the samples that its integral needs.
+///
+/// A half space of isotropic scatterers without a boundary reflects light of unit flux that enters at the cosine μ₀ as the
+/// radiance α/(4π) H(μ) H(μ₀)/(μ + μ₀), and returns the part 1 − H(μ₀) √(1−α) of it.
+///
+/// ```
+/// use translucid_profile::{Configuration, HFunction, half_space_surface_albedo};
+///
+/// let returned = 1.0 - HFunction::new(0.9).eval(1.0) * 0.1f64.sqrt();
+/// assert!((returned - half_space_surface_albedo(0.9, Configuration::Searchlight)).abs() < 1e-13);
+/// ```
+#[derive(Clone, Debug)]
+pub struct HFunction {
     /// t and ln[1 − α atan(t)/t] t Δs at equal steps of s = ln t.
     samples: Vec<(f64, f64)>,
     /// Sum of the values at the t so small that no ν matters.
@@ -94,8 +105,15 @@ impl HFunction {
     /// Range of s: at its ends the integrand is below 1e-17.
     const STEPS: std::ops::RangeInclusive<i32> = -168..=168;
 
+    /// The function of a single-scattering albedo α, which is clamped to [0, 1]; NaN counts as 0.
+    ///
+    /// Takes some microseconds.
+    pub fn new(single_scattering_albedo: f64) -> Self {
+        Self::of_absorption(1.0 - single_scattering_albedo.max(0.0).min(1.0))
+    }
+
     /// For 1 − α.
-    fn new(absorbed: f64) -> Self {
+    fn of_absorption(absorbed: f64) -> Self {
         let alpha = 1.0 - absorbed;
         let sample = |step: i32| {
             let t = libm::exp(Self::STEP * f64::from(step));
@@ -106,7 +124,8 @@ impl HFunction {
         Self { samples, at_zero: small.iter().map(|(_, value)| value).sum() }
     }
 
-    fn eval(&self, nu: f64) -> f64 {
+    /// H at a cosine in [0, 1], to 1e-13: from 1 on, growing.
+    pub fn eval(&self, nu: f64) -> f64 {
         // Four sums at once: the processor need not wait for one addition to begin the next
         let term = |&(t, value): &(f64, f64)| value / (1.0 + (nu * t) * (nu * t));
         let (fours, rest) = self.samples.as_chunks::<4>();
@@ -166,7 +185,7 @@ mod tests {
     fn h_function_has_its_exact_zeroth_moment() {
         let rule = shared_gauss_legendre(40);
         for alpha in [1e-6, 0.1, 0.5, 0.9, 0.999, 1.0 - 1e-9, 1.0] {
-            let h = HFunction::new(1.0 - alpha);
+            let h = HFunction::of_absorption(1.0 - alpha);
             let found = integrate(rule, 0.0, 1.0, |w| h.eval(w * w * w) * 3.0 * w * w);
             let expected = 2.0 / (1.0 + (1.0f64 - alpha).sqrt());
             assert!((found - expected).abs() < 1e-13, "{alpha}: {found} {expected}");

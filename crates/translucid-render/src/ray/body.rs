@@ -115,6 +115,23 @@ impl<'a> Body<'a> {
         length + self.offset <= self.clear_around(from.position)
     }
 
+    /// The surface beside a point of it, at an offset in the point's plane, where a ray from such a `depth` below the point
+    /// meets it, with its height above that plane \[L\]; `None` where the ray does not come to it from inside, or only farther
+    /// `beyond` the plane.
+    pub(crate) fn beside(
+        &self,
+        point: &SurfacePoint,
+        offset: Vec3,
+        depth: f32,
+        beyond: f32,
+    ) -> Option<(Hit, f32)> {
+        let down = point.geometric_normal * (-self.side * depth);
+        let (direction, length) = (offset - down).normalize_and_length();
+        let hit = self.closest(&Ray::segment(point.position + down, direction, length + beyond))?;
+        let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
+        leaves.then(|| (hit, (hit.t - length) * (depth / length)))
+    }
+
     /// Follows a flight from a point inside.
     ///
     /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk

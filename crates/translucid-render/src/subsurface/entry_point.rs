@@ -54,6 +54,12 @@ impl<'a> EntryPoint<'a> {
         }
     }
 
+    /// A point of a flat surface, whose geometric normal counts for all directions.
+    pub(crate) fn flat(world: &'a World, point: SurfacePoint, side: f32) -> Self {
+        let geometric = point.geometric_normal * side;
+        Self { world, normal: geometric, geometric, bsdf: entry_bsdf(world, &point), point }
+    }
+
     /// Continues the path at the entry point: adds light from one sampled light, and draws a cosine direction. False where
     /// the path is over.
     pub(crate) fn enter(

@@ -13,6 +13,7 @@ mod common;
 
 mod agreement;
 mod broken_scenes;
+mod dense;
 mod determinism;
 mod exact_answers;
 mod groups;

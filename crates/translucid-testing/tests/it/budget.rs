@@ -22,7 +22,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-profile", 8000),
     ("translucid-python", 4700),
     ("translucid-reference", 5700),
-    ("translucid-render", 16770),
+    ("translucid-render", 17070),
     ("translucid-scene", 3660),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),

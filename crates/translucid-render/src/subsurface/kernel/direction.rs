@@ -8,6 +8,8 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
+use super::half_space::HalfSpaceReflection;
+
 /// The offset of an exit from an entry point, with normals on the side that is seen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EntryToExit {
@@ -36,8 +38,15 @@ pub(crate) enum DirectedProfiles {
 #[derive(Clone, Copy)]
 pub(crate) struct Directions<'a>(pub(super) Option<(DirectedProfiles, RadialMean<'a>)>);
 
-/// The weight of light by its direction, per channel; `None` where all directions are alike.
-pub(crate) struct DirectionalWeight<'a>(Option<(&'a DirectedProfiles, EntryToExit, Vec3)>);
+/// The weight of light by its direction, per channel.
+pub(crate) enum DirectionalWeight<'a> {
+    /// All directions are alike.
+    Radial,
+    /// That of a directional model, with 1 over the profile by which the entry was found.
+    Directed(&'a DirectedProfiles, EntryToExit, Vec3),
+    /// Light leaves a half space where it enters.
+    HalfSpace(HalfSpaceReflection),
+}
 
 /// The radial profiles by which probes find entry points.
 #[derive(Clone, Copy)]
@@ -66,25 +75,25 @@ impl Directions<'_> {
     /// The weights of light that travels from an entry to the exit point.
     pub(crate) fn along(&self, passage: EntryToExit) -> DirectionalWeight<'_> {
         let distance = passage.offset.length();
-        DirectionalWeight(self.0.as_ref().map(|(profiles, mean)| {
-            // 1/R(|x_o − x_i|), or 1/(r R(r)), of the profile that the entry was found by
-            let inverse = match profiles {
-                DirectedProfiles::Dipole(_) => mean.inverse(|view| view.pdf_area(distance)),
-                DirectedProfiles::Oblique(_) => mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
-            };
-            (profiles, passage, inverse)
-        }))
+        let Some((profiles, mean)) = &self.0 else { return DirectionalWeight::Radial };
+        // 1/R(|x_o − x_i|), or 1/(r R(r)), of the profile that the entry was found by
+        let inverse = match profiles {
+            DirectedProfiles::Dipole(_) => mean.inverse(|view| view.pdf_area(distance)),
+            DirectedProfiles::Oblique(_) => mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+        };
+        DirectionalWeight::Directed(profiles, passage, inverse)
     }
 }
 
 impl DirectionalWeight<'_> {
-    /// All directions alike.
-    pub(crate) const RADIAL: Self = Self(None);
-
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {
-        let Some((profiles, passage, inverse)) = &self.0 else { return Vec3::ONE };
+        let (profiles, passage, inverse) = match self {
+            Self::Radial => return Vec3::ONE,
+            Self::HalfSpace(reflection) => return reflection.weight(toward_light),
+            Self::Directed(profiles, passage, inverse) => (profiles, passage, inverse),
+        };
         let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
         match profiles {
             DirectedProfiles::Dipole(dipoles) => {

@@ -17,6 +17,7 @@
 
 mod cut;
 mod direction;
+mod half_space;
 mod recipe;
 
 use glam::Vec3;
@@ -28,6 +29,7 @@ use super::parameters::Subsurface;
 pub(crate) use cut::{CutProfile, Cutting};
 use direction::DirectedProfiles;
 pub(crate) use direction::{DirectionalWeight, Directions, EntryToExit};
+pub(crate) use half_space::HalfSpace;
 pub(crate) use recipe::{KernelRecipe, unfitted};
 
 /// The profile of one material, or of several that are alike.

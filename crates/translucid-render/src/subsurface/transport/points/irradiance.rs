@@ -161,7 +161,7 @@ fn entering_light<'a, T: Tracer<'a>>(
     let mut path = PathState::new(Ray::new(point.position, -point.geometric_normal));
     if EntryPoint::new(world, point, 1.0).enter(
         &mut path,
-        &DirectionalWeight::RADIAL,
+        &DirectionalWeight::Radial,
         [sampler.reserve(), sampler.reserve()],
     ) {
         tracer.follow(&mut path, sampler);

@@ -92,7 +92,7 @@ impl<'a> WalkContinuation<'a> for ThroughClear<'_, 'a> {
 }
 
 /// Returns `true` if a path may not be scattered any more.
-fn is_last(world: &World, path: &PathState) -> bool {
+pub(super) fn is_last(world: &World, path: &PathState) -> bool {
     let integrator = &world.scene.integrator;
     path.depth >= integrator.max_depth || path.diffuse_depth >= integrator.max_diffuse_depth
 }

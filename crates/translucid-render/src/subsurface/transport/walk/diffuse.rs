@@ -59,7 +59,7 @@ impl Walks {
 
 impl WalkMedium {
     /// Direction in which the view goes on below the surface; `None` if it does not.
-    fn direction_below(
+    pub(super) fn direction_below(
         &self,
         world: &World,
         path: &PathState,
@@ -107,7 +107,7 @@ impl ToMatteEnd<'_> {
     fn enter(&self, walk: &Walk<'_>, path: &mut PathState, hit: &Hit) -> bool {
         path.throughput = walk.throughput;
         let entry = EntryPoint::new(self.world, self.world.surface_point(hit), walk.side);
-        entry.enter(path, &DirectionalWeight::RADIAL, self.at_the_end)
+        entry.enter(path, &DirectionalWeight::Radial, self.at_the_end)
     }
 }
 

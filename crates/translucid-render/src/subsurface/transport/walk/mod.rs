@@ -23,6 +23,7 @@
 mod attenuation;
 mod clear;
 mod common_medium;
+mod dense;
 mod diffuse;
 mod exit_plane;
 mod flight;
@@ -67,6 +68,9 @@ impl Walks {
         // Through a hole in one mesh of a body, paths see its other meshes from inside. Walks from there count one mesh less
         // than walks that enter through the first mesh, and leave where those continue
         let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
+        if let Some(entry) = self.medium.dense_entry(tracer, world, path, exit, sampler) {
+            return self.medium.enter_dense(world, path, exit, entry, sampler);
+        }
         match self.medium.surface {
             WalkSurface::Clear => self.scatter_clear(tracer, world, path, exit, place, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
