@@ -9,8 +9,8 @@
 //!               more                                     a walk
 //! ```
 //!
-//! where two rays from some way below come straight to the surface on both sides of the place, and not far from its plane:
-//! the body is thick there, and nearly flat. Limits are drawn at random for each walk, so that no border shows.
+//! where three rays from some way below come straight to the surface around the place, and not far from its plane: the body
+//! is thick there, and nearly flat. Limits are drawn at random for each walk, so that no border shows.
 //!
 //! What is left is the body's curvature. A body that bends away lets out more light than a half space: in light that is
 //! alike everywhere a ball of radius R shows 1 + C ℓ/R times its albedo. The rays meet the surface at a mean height h
@@ -20,7 +20,9 @@
 //! 1 − 2 C ℓ h / r²
 //! ```
 //!
-//! is right to the first order for any shape, folds of two faces included.
+//! is right to the first order for any shape, folds of two faces included. Of three rays at equal angles the mean height is
+//! the same however they are turned, and tells nothing of a tilt, so that a place that is flat for some turns only is not
+//! taken for flatter than it is.
 
 use std::f32::consts::{PI, TAU};
 
@@ -42,7 +44,7 @@ use crate::world::{PathState, PixelWidth, World};
 
 /// Mean distances that light travels, in widths that are seen as one: light leaves where it enters at the first, in no case
 /// from the second on.
-const POINTLIKE: [f32; 2] = [0.1, 0.4];
+const POINTLIKE: [f32; 2] = [0.25, 1.0];
 
 /// The same for light that enters at a distance.
 const NEARBY: [f32; 2] = [1.0, 2.0];
@@ -54,10 +56,10 @@ const LEAST_TRANSMITTANCE: f32 = 5e-3;
 const WIDTH_FROM_MATTE: f32 = 0.1;
 
 /// Distance from a place at which it is looked at whether it is flat, over the mean distance that light travels.
-const RADIUS: f32 = 6.0;
+const RADIUS: f32 = 4.0;
 
 /// Greatest slope at which a surface is flat.
-const GREATEST_SLOPE: f32 = 0.1;
+const GREATEST_SLOPE: f32 = 0.2;
 
 /// C of the head of the module.
 ///
@@ -102,7 +104,7 @@ impl WalkMedium {
             return None;
         }
 
-        // Two rays from below, on both sides of the place: whether the body is thick and flat, and how it bends
+        // Three rays from below, around the place: whether the body is thick and flat, and how it bends
         let alpha = self.single_scattering_albedo(surface_albedo);
         let depth =
             Vec3::select(scatters, thickness(alpha) * length, Vec3::ZERO).max_element() * (1.0 + of_depth);
@@ -111,12 +113,13 @@ impl WalkMedium {
         let beside = |distance: f32, angle: f32| {
             let (sin, cos) = libm::sincosf(TAU * angle);
             let offset = frame.to_world(Vec3::new(distance * cos, distance * sin, 0.0));
-            let most = GREATEST_SLOPE * distance.abs() + exit.point.offset;
+            let most = GREATEST_SLOPE * distance + exit.point.offset;
             let (hit, height) = body.beside(exit.point, offset, depth, 2.0 * most)?;
             (height.abs() <= most).then_some((hit, height))
         };
         let radius = RADIUS * travel;
-        let height = 0.5 * (beside(radius, of_angle)?.1 + beside(-radius, of_angle)?.1);
+        let around = |third: f32| Some(beside(radius, of_angle + third / 3.0)?.1);
+        let height = (around(0.0)? + around(1.0)? + around(2.0)?) / 3.0;
         let curved = 1.0 - length * (2.0 * OF_CURVATURE * height / (radius * radius));
 
         let (point, shares) = if travel < limit(POINTLIKE) {
