@@ -116,8 +116,9 @@ mod tests {
                 let reflection = half_space.reflection(Vec3::Z, cosine);
                 let steps = 4000;
                 let weight = |i: u16| {
-                    let mu = (f32::from(i) + 0.5) / steps as f32;
-                    reflection.weight(Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu)).x * 2.0 * mu / steps as f32
+                    let mu = (f32::from(i) + 0.5) / f32::from(steps);
+                    reflection.weight(Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu)).x * 2.0 * mu
+                        / f32::from(steps)
                 };
                 let (found, expected) = ((0..steps).map(weight).sum::<f32>(), half_space.albedo(cosine).x);
                 assert!((found - expected).abs() < 5e-4, "{alpha} {cosine}: {found} {expected}");
