@@ -26,7 +26,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-scene", 3660),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
-    ("translucid-view", 2600),
+    ("translucid-view", 2650),
 ];
 
 #[test]
