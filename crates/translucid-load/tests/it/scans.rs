@@ -28,7 +28,10 @@ fn images_load() {
         let mut warnings = Vec::new();
         let image = load_image(&scan(name), ColorSpace::Srgb, &mut warnings).unwrap();
         assert_eq!(image.validate(), Ok(()));
-        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+        // Whoever has edited the photographs has left their color space open
+        let expected = usize::from(name.ends_with(".jpg"));
+        assert_eq!(warnings.len(), expected, "{name}: {warnings:?}");
+        assert!(warnings.iter().all(|warning| warning.message.contains("uncalibrated")), "{warnings:?}");
         assert!(size.is_none_or(|size| size == (image.width, image.height)));
         let mean = image.mean();
         assert!(mean[..3].iter().all(|&mean| mean > 0.0 && mean < 100.0), "{name}: {mean:?}");
@@ -75,6 +78,7 @@ fn gltf_head_loads_with_its_textures() {
     assert!(material.base_color.texture.is_some() && material.geometry_normal.is_some());
     assert_eq!(scene.images.len(), 2);
     let (low, high) = object.mesh.bounds();
+    let [low, high] = [low, high].map(|point| scene.origin + point.as_dvec3());
     assert!((high.x - 427.632).abs() < 0.01 && (low.y + 397.255).abs() < 0.01, "{low} {high}");
 }
 
