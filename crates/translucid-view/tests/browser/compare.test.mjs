@@ -71,8 +71,8 @@ test("the two halves on the screen are those of A and B", async () => {
     const mean = (picture, left) => {
         let sum = 0;
         let count = 0;
-        for (let y = 0.3; y < 0.7; y += 0.01) {
-            for (let x = left; x < left + 0.2; x += 0.01) {
+        for (let y = 0.3; y < 0.7; y += 0.0025) {
+            for (let x = left; x < left + 0.2; x += 0.0025) {
                 const at = 4 * (Math.floor(y * picture.height) * picture.width + Math.floor(x * picture.width));
                 sum += picture.codes[at];
                 count++;

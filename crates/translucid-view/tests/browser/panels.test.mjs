@@ -39,7 +39,7 @@ test("a default model says which it is, and a walk that its profile is exact", a
 
 test("the profile is drawn with its error for each channel", async () => {
     await view.choose("material-subsurface_model", "normalized-diffusion-oblique");
-    await page.locator("#profile-errors li").nth(2).waitFor();
+    await page.locator("#profile-errors li", { hasText: "%" }).nth(2).waitFor();
     assert.match(await text("profile-errors"), /Red.*%Green.*%Blue.*%/);
     assert.match(await text("profile-model"), /normalized-diffusion/);
     assert.ok((await ink()) > 200);
