@@ -18,7 +18,7 @@ const ALBEDO: Vec3 = Vec3::new(0.9, 0.6, 0.3);
 /// Mean free path of the ball of radius 1.
 const LENGTH: f32 = 0.008;
 
-/// Edges of pictures in pixels: light travels a twentieth of a pixel, or more than two.
+/// Edges of pictures in pixels: light travels a twentieth of a pixel, or more than one.
 const COARSE: u32 = 8;
 const FINE: u32 = 384;
 

@@ -1,15 +1,9 @@
 //! Bodies so dense that light leaves them near where it enters, as far as the picture can show.
 //!
 //! As the mean free path ℓ gets short, walks become the reflection of a [half space](HalfSpace), which is known. A walk of
-//! hundreds of collisions only adds noise and time then. In place of it, and little by little,
+//! hundreds of collisions only adds noise and time then. In place of it light leaves where it enters,
 //!
-//! ```text
-//! light travels less than a width that is seen as one    it leaves where it enters
-//!               a few of them                            it enters at a distance that is drawn from Burley's profile
-//!               more                                     a walk
-//! ```
-//!
-//! where three rays from some way below come straight to the surface around the place, and not far from its plane: the body
+//! where it travels less than a width that is seen as one, and where three rays from some way below come straight to the surface around the place, and not far from its plane: the body
 //! is thick there, and nearly flat. Limits are drawn at random for each walk, so that no border shows.
 //!
 //! What is left is the body's curvature. A body that bends away lets out more light than a half space: in light that is
@@ -32,7 +26,7 @@ use translucid_scene::WalkSurface;
 
 use super::clear::is_last;
 use super::phase_function::HenyeyGreenstein;
-use crate::ray::{Body, SurfacePoint};
+use crate::ray::Body;
 use crate::sampling::{Frame, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
@@ -46,9 +40,6 @@ use crate::world::{PathState, PixelWidth, World};
 /// from the second on.
 const POINTLIKE: [f32; 2] = [0.25, 1.0];
 
-/// The same for light that enters at a distance.
-const NEARBY: [f32; 2] = [1.0, 2.0];
-
 /// Share of the light on a slab's back that comes through, below which the slab is thick.
 const LEAST_TRANSMITTANCE: f32 = 5e-3;
 
@@ -59,7 +50,7 @@ const WIDTH_FROM_MATTE: f32 = 0.1;
 const RADIUS: f32 = 4.0;
 
 /// Greatest slope at which a surface is flat.
-const GREATEST_SLOPE: f32 = 0.2;
+const GREATEST_SLOPE: f32 = 0.1;
 
 /// C of the head of the module.
 ///
@@ -71,7 +62,6 @@ const SALT: u64 = 0x6f8b_1d3e_52c9_a047;
 
 /// Where light enters that leaves a place without a walk.
 pub(super) struct DenseEntry {
-    point: SurfacePoint,
     half_space: HalfSpace,
     /// The path's throughput, without the albedo.
     throughput: Vec3,
@@ -94,13 +84,13 @@ impl WalkMedium {
         let Subsurface { surface_albedo, length } = exit.subsurface;
         let scatters = path.throughput.cmpgt(Vec3::ZERO) & length.cmpgt(Vec3::ZERO);
         let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
-        let profile = BurleyProfile { d: length / scaling(surface_albedo) };
-        let travel = Vec3::select(scatters, profile.mean_radius(), Vec3::ZERO).max_element();
+        let travel = Vec3::select(scatters, MEAN_RADIUS * length / scaling(surface_albedo), Vec3::ZERO);
+        let travel = travel.max_element();
         let width = width_of_view(tracer.pixel_width(), path, exit.point.position);
         let first = split_mix(sampler.fork() ^ SALT);
         let [of_limit, of_depth, of_angle, _] = four_numbers(first);
-        let limit = |[all, none]: [f32; 2]| width * (all + (none - all) * of_limit);
-        if travel.is_nan() || travel >= limit(NEARBY) {
+        let [all, none] = POINTLIKE;
+        if travel.is_nan() || travel >= width * (all + (none - all) * of_limit) {
             return None;
         }
 
@@ -114,24 +104,16 @@ impl WalkMedium {
             let (sin, cos) = libm::sincosf(TAU * angle);
             let offset = frame.to_world(Vec3::new(distance * cos, distance * sin, 0.0));
             let most = GREATEST_SLOPE * distance + exit.point.offset;
-            let (hit, height) = body.beside(exit.point, offset, depth, 2.0 * most)?;
-            (height.abs() <= most).then_some((hit, height))
+            let (_, height) = body.beside(exit.point, offset, depth, 2.0 * most)?;
+            (height.abs() <= most).then_some(height)
         };
         let radius = RADIUS * travel;
-        let around = |third: f32| Some(beside(radius, of_angle + third / 3.0)?.1);
+        let around = |third: f32| beside(radius, of_angle + third / 3.0);
         let height = (around(0.0)? + around(1.0)? + around(2.0)?) / 3.0;
         let curved = 1.0 - length * (2.0 * OF_CURVATURE * height / (radius * radius));
 
-        let (point, shares) = if travel < limit(POINTLIKE) {
-            (*exit.point, Vec3::ONE)
-        } else {
-            let [of_channel, of_term, of_radius, of_angle] = four_numbers(split_mix(first));
-            let radius = profile.sample(choose(throughput, of_channel), of_term, of_radius);
-            let (hit, _) = beside(radius, of_angle)?;
-            (world.surface_point(&hit), profile.shares(throughput, radius))
-        };
-        let throughput = Vec3::select(scatters, throughput * shares * curved, Vec3::ZERO);
-        Some(DenseEntry { point, half_space: HalfSpace::new(alpha), throughput })
+        let throughput = Vec3::select(scatters, throughput * curved, Vec3::ZERO);
+        Some(DenseEntry { half_space: HalfSpace::new(alpha), throughput })
     }
 
     /// Goes on where light enters that leaves without a walk; false where the path is over.
@@ -140,7 +122,7 @@ impl WalkMedium {
         world: &World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
-        DenseEntry { point, half_space, throughput }: DenseEntry,
+        DenseEntry { half_space, throughput }: DenseEntry,
         sampler: &mut Sampler,
     ) -> bool {
         let outward = exit.point.geometric_normal * exit.side;
@@ -150,14 +132,14 @@ impl WalkMedium {
                 return false;
             }
             path.throughput = throughput;
-            let entry = EntryPoint::flat(world, point, exit.side);
+            let entry = EntryPoint::flat(world, *exit.point, exit.side);
             let reflection = half_space.reflection(entry.normal, -path.ray.direction.dot(outward));
             return entry.enter(path, &DirectionalWeight::HalfSpace(reflection), numbers);
         }
         let [a, b, ..] = sampler.next_4d();
         let Some(direction) = self.direction_below(world, path, exit, [a, b]) else { return false };
         path.throughput = throughput * half_space.albedo(-direction.dot(outward));
-        EntryPoint::new(world, point, exit.side).enter(path, &DirectionalWeight::Radial, numbers)
+        EntryPoint::new(world, *exit.point, exit.side).enter(path, &DirectionalWeight::Radial, numbers)
     }
 }
 
@@ -175,32 +157,8 @@ fn width_of_view(pixel: PixelWidth, path: &PathState, place: Vec3) -> f32 {
     (WIDTH_FROM_MATTE * spread * distance).max(pixel.at(path.sample.depth))
 }
 
-/// Normalized diffusion [Christensen & Burley 2015], the width d of each channel: near enough to the exact profile for
-/// distances of a few pixels.
-struct BurleyProfile {
-    d: Vec3,
-}
-
-impl BurleyProfile {
-    fn mean_radius(&self) -> Vec3 {
-        2.5 * self.d
-    }
-
-    /// Distance \[L\] of a channel, by two numbers in [0, 1).
-    fn sample(&self, channel: usize, of_term: f32, u: f32) -> f32 {
-        let wide = if of_term < 0.25 { 1.0 } else { 3.0 };
-        -libm::logf(1.0 - u) * wide * self.d[channel]
-    }
-
-    /// Density of each channel at a distance over that with which it was drawn, by a channel chosen in proportion to a
-    /// throughput.
-    fn shares(&self, throughput: Vec3, radius: f32) -> Vec3 {
-        let x = (-radius / self.d).exp();
-        let third = (-radius / (3.0 * self.d)).exp();
-        let density = Vec3::select(throughput.cmpgt(Vec3::ZERO), (x + third) / self.d, Vec3::ZERO);
-        density * (throughput.element_sum() / throughput.dot(density))
-    }
-}
+/// Mean distance that light travels by normalized diffusion, over its d [Christensen & Burley 2015].
+const MEAN_RADIUS: f32 = 2.5;
 
 /// s of d = ℓ/s for diffuse transmission [Christensen & Burley 2015].
 fn scaling(surface_albedo: Vec3) -> Vec3 {
@@ -215,12 +173,6 @@ fn thickness(alpha: Vec3) -> Vec3 {
         let rate = (3.0 * (1.0 - alpha)).max(1e-6).sqrt().min(1.0);
         libm::logf(1.0 + 8.0 / 3.0 * rate / LEAST_TRANSMITTANCE) / rate
     })
-}
-
-/// A channel, chosen in proportion to a throughput.
-fn choose(throughput: Vec3, u: f32) -> usize {
-    let u = u * throughput.element_sum();
-    usize::from(u >= throughput.x) + usize::from(u >= throughput.x + throughput.y)
 }
 
 /// Four numbers in [0, 1) from random bits.
