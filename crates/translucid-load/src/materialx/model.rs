@@ -275,7 +275,7 @@ fn standard_defaults(shader: Node<'_, '_>) -> Material {
     }
 }
 
-/// What NG_standard_surface_to_open_pbr_surface of MaterialX 1.39 does with metals: the weight of their highlight is 1, a
+/// Translates metals as NG_standard_surface_to_open_pbr_surface of MaterialX 1.39 does: the weight of their highlight is 1, a
 /// black edge is none, and their coat is a tint alone.
 ///
 /// It tints what is under the coat of other materials, too, and keeps the coat's color besides; here that counts once, as in

@@ -115,21 +115,21 @@ impl<'a> Body<'a> {
         length + self.offset <= self.clear_around(from.position)
     }
 
-    /// The surface beside a point of it, at an offset in the point's plane, where a ray from such a `depth` below the point
-    /// meets it, with its height above that plane \[L\]; `None` where the ray does not come to it from inside, or only farther
+    /// Height \[L\] of the surface above the plane of one of its points, where a ray from such a `depth` below the point
+    /// through an offset in that plane meets it; `None` where the ray does not come to it from inside, or only farther
     /// `beyond` the plane.
-    pub(crate) fn beside(
+    pub(crate) fn height_beside(
         &self,
         point: &SurfacePoint,
         offset: Vec3,
         depth: f32,
         beyond: f32,
-    ) -> Option<(Hit, f32)> {
+    ) -> Option<f32> {
         let down = point.geometric_normal * (-self.side * depth);
         let (direction, length) = (offset - down).normalize_and_length();
         let hit = self.closest(&Ray::segment(point.position + down, direction, length + beyond))?;
         let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
-        leaves.then(|| (hit, (hit.t - length) * (depth / length)))
+        leaves.then(|| (hit.t - length) * (depth / length))
     }
 
     /// Follows a flight from a point inside.

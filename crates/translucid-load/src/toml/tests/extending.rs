@@ -279,7 +279,7 @@ fn options_reach_through_a_row_of_files() {
     assert_eq!(error.help.as_deref(), Some("in a scene file it is the key preset at the top"));
 }
 
-/// What can be rendered can be extended, so that a page can save what it shows.
+/// Every mesh that can be rendered can be extended, so that a page can save what it shows.
 #[test]
 fn every_mesh_format_is_extended() {
     let folder = Folder::new();

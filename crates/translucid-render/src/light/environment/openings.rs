@@ -28,7 +28,7 @@ const SOLID_ANGLE: f32 = 4.0 * PI / (PARTS[0] * PARTS[1]) as f32;
 /// With a fourth of them the picture of a room with one window is much noisier; four times as many gain little.
 const RAYS: u64 = 16_384;
 
-/// Of these, the ones of a first look.
+/// Rays from each cell that a first look takes.
 const FIRST_LOOK: u64 = 16;
 
 /// Share of a cell's rays that reach the sky from which on it is open.

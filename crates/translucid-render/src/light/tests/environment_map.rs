@@ -67,7 +67,7 @@ fn environment_map_can_be_sampled_wherever_it_shines() {
     assert!(count > 100);
 }
 
-/// Of a sky that is brightest below, a surface that faces up draws hardly anything below its horizon, and what is above with
+/// A surface that faces up draws hardly anything below its horizon of a sky that is brightest there, and what is above with
 /// its cosine: the irradiance has a fourth of the standard error that drawing by radiance alone would leave it.
 #[test]
 fn environment_map_is_drawn_with_the_cosine() {

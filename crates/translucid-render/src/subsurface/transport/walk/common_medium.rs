@@ -225,7 +225,7 @@ mod tests {
         }
     }
 
-    /// What is found later counts by the collisions since, and light on its way out by that way.
+    /// Light that is found later counts by the collisions since, and light on its way out by that way.
     #[test]
     fn light_counts_by_its_way() {
         let mut media = Media::new(&OWN, &COMMON);

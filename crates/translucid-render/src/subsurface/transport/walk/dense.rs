@@ -1,13 +1,13 @@
 //! Bodies so dense that light leaves them near where it enters, as far as the picture can show.
 //!
 //! As the mean free path ℓ gets short, walks become the reflection of a [half space](HalfSpace), which is known. A walk of
-//! hundreds of collisions only adds noise and time then. In place of it light leaves where it enters,
+//! hundreds of collisions only adds noise and time then. In place of it light leaves where it enters, where it travels less
+//! than a width that is seen as one, and where three rays from some way below come straight to the surface around the
+//! place, and not far from its plane: the body is thick there, and nearly flat. Limits are drawn at random for each walk, so
+//! that no border shows.
 //!
-//! where it travels less than a width that is seen as one, and where three rays from some way below come straight to the surface around the place, and not far from its plane: the body
-//! is thick there, and nearly flat. Limits are drawn at random for each walk, so that no border shows.
-//!
-//! What is left is the body's curvature. A body that bends away lets out more light than a half space: in light that is
-//! alike everywhere a ball of radius R shows 1 + C ℓ/R times its albedo. The rays meet the surface at a mean height h
+//! The curvature of the body counts to first order. One that bends away lets out more light than a half space: in light that
+//! is alike everywhere a ball of radius R shows 1 + C ℓ/R times its albedo. The rays meet the surface at a mean height h
 //! above the plane of the place, which is −r²/2R at a distance r, so that the mean of
 //!
 //! ```text
@@ -21,6 +21,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
+use translucid_profile::scaling_from_mfp_diffuse;
 use translucid_profile::split_mix::split_mix;
 use translucid_scene::WalkSurface;
 
@@ -54,7 +55,7 @@ const GREATEST_SLOPE: f32 = 0.1;
 
 /// C of the head of the module.
 ///
-/// The same to 0.05 for surface albedos from 0.2 to 0.9 and every surface of walks, by balls of 30 and 100 mean free paths.
+/// About the same for every surface albedo and every surface of walks, as balls in even light show.
 const OF_CURVATURE: f32 = 1.38;
 
 /// So that no other random numbers of the vertex are the same.
@@ -84,11 +85,11 @@ impl WalkMedium {
         let Subsurface { surface_albedo, length } = exit.subsurface;
         let scatters = path.throughput.cmpgt(Vec3::ZERO) & length.cmpgt(Vec3::ZERO);
         let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
-        let travel = Vec3::select(scatters, MEAN_RADIUS * length / scaling(surface_albedo), Vec3::ZERO);
+        let scaling = surface_albedo.map(|albedo| scaling_from_mfp_diffuse(f64::from(albedo)) as f32);
+        let travel = Vec3::select(scatters, MEAN_RADIUS * length / scaling, Vec3::ZERO);
         let travel = travel.max_element();
         let width = width_of_view(tracer.pixel_width(), path, exit.point.position);
-        let first = split_mix(sampler.fork() ^ SALT);
-        let [of_limit, of_depth, of_angle, _] = four_numbers(first);
+        let [of_limit, of_depth, of_angle] = three_numbers(split_mix(sampler.fork() ^ SALT));
         let [all, none] = POINTLIKE;
         if travel.is_nan() || travel >= width * (all + (none - all) * of_limit) {
             return None;
@@ -104,7 +105,7 @@ impl WalkMedium {
             let (sin, cos) = libm::sincosf(TAU * angle);
             let offset = frame.to_world(Vec3::new(distance * cos, distance * sin, 0.0));
             let most = GREATEST_SLOPE * distance + exit.point.offset;
-            let (_, height) = body.beside(exit.point, offset, depth, 2.0 * most)?;
+            let height = body.height_beside(exit.point, offset, depth, 2.0 * most)?;
             (height.abs() <= most).then_some(height)
         };
         let radius = RADIUS * travel;
@@ -160,12 +161,6 @@ fn width_of_view(pixel: PixelWidth, path: &PathState, place: Vec3) -> f32 {
 /// Mean distance that light travels by normalized diffusion, over its d [Christensen & Burley 2015].
 const MEAN_RADIUS: f32 = 2.5;
 
-/// s of d = ℓ/s for diffuse transmission [Christensen & Burley 2015].
-fn scaling(surface_albedo: Vec3) -> Vec3 {
-    let off = surface_albedo - 0.8;
-    1.9 - surface_albedo + 3.5 * off * off
-}
-
 /// Thickness, in mean free paths, of a slab that lets no more than [`LEAST_TRANSMITTANCE`] through: 4/3 κ / sinh(κ t) by
 /// diffusion, with κ² = 3 (1 − α), or a little thicker.
 fn thickness(alpha: Vec3) -> Vec3 {
@@ -175,7 +170,7 @@ fn thickness(alpha: Vec3) -> Vec3 {
     })
 }
 
-/// Four numbers in [0, 1) from random bits.
-fn four_numbers(bits: u64) -> [f32; 4] {
-    [0, 16, 32, 48].map(|shift| f32::from((bits >> shift) as u16) / 65536.0)
+/// Three numbers in [0, 1) from random bits.
+fn three_numbers(bits: u64) -> [f32; 3] {
+    [0, 16, 32].map(|shift| f32::from((bits >> shift) as u16) / 65536.0)
 }
