@@ -8,8 +8,13 @@
 //! face reflects is part of the totals: here, unlike in the rest of the crate, media have many faces.
 
 mod layer;
+mod matrix;
+mod operators;
+mod rays;
+mod totals;
 
 pub use layer::{Deflection, Layer};
+pub use totals::Totals;
 
 use std::fmt;
 
@@ -68,7 +73,8 @@ impl Layers {
     /// ```
     ///
     /// # Errors
-    /// A parameter is outside its range, or an infinite layer is not the last or has a ground below.
+    /// A parameter is outside its range, an infinite layer is not the last or has a ground below, or there are more than 16
+    /// different indices of refraction.
     pub fn new(eta_above: f64, layers: Vec<Layer>, ground: Ground) -> Result<Self, LayersError> {
         let outside = |error| LayersError { layer: None, error };
         require(layer::ETA.contains(&eta_above), "eta_above", eta_above, "in [0.1, 10]").map_err(outside)?;
@@ -90,7 +96,11 @@ impl Layers {
             layer.check().map_err(within)?;
             check_thickness(layer, i + 1 == count, ground).map_err(within)?;
         }
-        Ok(Self { eta_above, layers, ground })
+        let layers = Self { eta_above, layers, ground };
+        let indices = rays::squared_indices(&layers).len();
+        require(indices <= MOST_INDICES, "number of different eta", indices as f64, "at most 16")
+            .map_err(outside)?;
+        Ok(layers)
     }
 
     /// Index of refraction of the medium above.
@@ -108,6 +118,9 @@ impl Layers {
         self.ground
     }
 }
+
+/// Most indices of refraction in one stack: rays are split at each.
+const MOST_INDICES: usize = 16;
 
 fn check_thickness(layer: &Layer, is_last: bool, ground: Ground) -> Result<(), ParameterError> {
     let thickness = layer.thickness;
