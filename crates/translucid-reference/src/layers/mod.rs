@@ -10,10 +10,12 @@
 mod layer;
 mod matrix;
 mod operators;
+mod profile;
 mod rays;
 mod totals;
 
 pub use layer::{Deflection, Layer};
+pub use profile::LayersProfile;
 pub use totals::Totals;
 
 use std::fmt;
