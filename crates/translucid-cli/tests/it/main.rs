@@ -12,6 +12,7 @@ mod gallery;
 mod killed;
 mod known_shape;
 mod look;
+mod layers;
 mod markdown;
 mod measure;
 mod pages;

@@ -80,55 +80,30 @@ impl Directions {
     /// The cone of directions that get out, weighed with the transmittance.
     pub(crate) fn cone(k: Complex64, eta: f64, counts: DirectionCounts) -> Self {
         let q = -Complex64::I * k;
+        let sin_edge = (1.0 / eta).min(1.0);
         let mut directions = Self::default();
-        for direction in cone_directions((1.0 / eta).min(1.0), counts) {
-            let ConeDirection { n_x, mu, solid_angle, .. } = direction;
-            let outside = sqrt(direction.outside_squared(1.0 / eta));
-            let weight = solid_angle * transmittance(mu, outside, eta);
-            directions.push((1.0 + q * n_x) / mu, weight, weight / mu);
+        for (x, weight) in unit_rule(counts.arcs) {
+            let (beta, d_beta) = (FRAC_PI_2 * x, FRAC_PI_2 * weight);
+            let edge = sin_edge * libm::cos(beta);
+            for &(x, weight) in &unit_rule(counts.arc) {
+                let point = ArcPoint::new(x, weight);
+                let end_distance = edge * edge * point.one_minus_square;
+                let mu_squared = end_distance + (1.0 - sin_edge) * (1.0 + sin_edge);
+                let mu_outside_squared = if eta >= 1.0 {
+                    eta * eta * end_distance
+                } else {
+                    (1.0 - eta) * (1.0 + eta) + eta * eta * end_distance
+                };
+                let (mu, mu_outside) = (sqrt(mu_squared), sqrt(mu_outside_squared));
+                // ±n_y alike; dΩ = dn_x dn_y/μ
+                let d_n_y = edge * d_beta * sqrt(point.one_minus_square);
+                let solid_angle = 2.0 * d_n_y * sin_edge * point.slope / mu;
+                let weight = solid_angle * transmittance(mu, mu_outside, eta) / (4.0 * PI);
+                directions.push((1.0 + q * sin_edge * point.position) / mu, weight, weight / mu);
+            }
         }
         directions
     }
-}
-
-/// A complex direction of a cone, on its bent arc.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ConeDirection {
-    /// Component along k.
-    pub(crate) n_x: Complex64,
-    /// Cosine to the normal.
-    pub(crate) mu: Complex64,
-    /// dΩ/4π.
-    pub(crate) solid_angle: Complex64,
-    /// S² − sin²θ, with every digit at the edge, where sin θ = S.
-    from_edge: Complex64,
-    edge: f64,
-}
-
-impl ConeDirection {
-    /// Squared cosine in a medium whose index of refraction is `ratio` times that of the cone's medium.
-    pub(crate) fn outside_squared(&self, ratio: f64) -> Complex64 {
-        ((ratio - self.edge) * (ratio + self.edge) + self.from_edge) / (ratio * ratio)
-    }
-}
-
-/// Directions of the cone sin θ < S, `edge` ∈ (0, 1\].
-pub(crate) fn cone_directions(edge: f64, counts: DirectionCounts) -> Vec<ConeDirection> {
-    let mut directions = Vec::new();
-    for (x, weight) in unit_rule(counts.arcs) {
-        let (beta, d_beta) = (FRAC_PI_2 * x, FRAC_PI_2 * weight);
-        let arc_edge = edge * libm::cos(beta);
-        for &(x, weight) in &unit_rule(counts.arc) {
-            let point = ArcPoint::new(x, weight);
-            let from_edge = arc_edge * arc_edge * point.one_minus_square;
-            let mu = sqrt(from_edge + (1.0 - edge) * (1.0 + edge));
-            // ±n_y alike; dΩ = dn_x dn_y/μ
-            let d_n_y = arc_edge * d_beta * sqrt(point.one_minus_square);
-            let solid_angle = 2.0 * d_n_y * edge * point.slope / mu / (4.0 * PI);
-            directions.push(ConeDirection { n_x: edge * point.position, mu, solid_angle, from_edge, edge });
-        }
-    }
-    directions
 }
 
 /// Mean over the azimuths φ of a function of n_x = sin θ cos φ that is analytic where the arcs bend: nodes n_x and
@@ -170,7 +145,7 @@ impl ArcPoint {
 
 /// Fresnel's transmittance of unpolarized light between complex directions: with a = η μ, b = μ_o and a = μ, b = η μ_o
 /// each polarization passes 4ab/(a + b)².
-pub(crate) fn transmittance(mu: Complex64, mu_outside: Complex64, eta: f64) -> Complex64 {
+fn transmittance(mu: Complex64, mu_outside: Complex64, eta: f64) -> Complex64 {
     let perpendicular = eta * mu + mu_outside;
     let parallel = mu + eta * mu_outside;
     let product = 2.0 * eta * mu * mu_outside;

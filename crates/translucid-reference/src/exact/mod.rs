@@ -33,7 +33,7 @@ mod azimuthal_inversion;
 mod boundary_entrance;
 pub(crate) mod complex;
 mod dielectric;
-pub(crate) mod dielectric_directions;
+mod dielectric_directions;
 mod dielectric_response;
 pub(crate) mod dispersion;
 mod energy;

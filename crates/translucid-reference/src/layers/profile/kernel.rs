@@ -16,6 +16,7 @@
 //! with ρ' = (y + q²/y)/2, from y = T + ρ on: without an oscillation for real k, and bounded for all k in the right upper quadrant.
 
 use num_complex::Complex64;
+use translucid_profile::quadrature::gauss_legendre;
 
 use crate::exact::complex::{exp, ln, sqrt};
 
@@ -33,7 +34,6 @@ const PLATEAU: f64 = 0.6;
 
 impl Kernel {
     pub(super) fn new() -> Self {
-        let unit_rule = crate::exact::dielectric_directions::unit_rule;
         Self { short: unit_rule(8), long: unit_rule(18) }
     }
 
@@ -61,6 +61,10 @@ impl Kernel {
     }
 }
 
+fn unit_rule(count: usize) -> Vec<(f64, f64)> {
+    gauss_legendre(count).into_iter().map(|(x, weight)| (0.5 + 0.5 * x, 0.5 * weight)).collect()
+}
+
 /// ∫ e^{−ρ} d ln y and ∫ ρ e^{−ρ} d ln y with ρ = (y + q²/y)/2.
 fn integrals(rule: &[(f64, f64)], from: Complex64, to: Complex64, square: Complex64) -> [Complex64; 2] {
     let length = ln(to / from);
@@ -77,7 +81,7 @@ fn integrals(rule: &[(f64, f64)], from: Complex64, to: Complex64, square: Comple
 
 #[cfg(test)]
 mod tests {
-    use translucid_profile::quadrature::{gauss_legendre, integrate};
+    use translucid_profile::quadrature::integrate;
 
     use super::*;
     use crate::exact::macdonald::Macdonald;
@@ -122,7 +126,6 @@ mod tests {
     #[test]
     fn rules_have_points_enough() {
         let kernel = Kernel::new();
-        let unit_rule = crate::exact::dielectric_directions::unit_rule;
         let finer = Kernel { short: unit_rule(30), long: unit_rule(60) };
         for i in 0..200 {
             let depth = 10f64.powf(-6.0 + 7.5 * f64::from(i % 20) / 20.0);

@@ -1,6 +1,5 @@
 //! Light that leaves layers around a normal pencil beam.
 
-mod cones;
 mod depths;
 mod kernel;
 mod single;
@@ -10,12 +9,10 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
-use self::cones::Faces;
 use self::single::Single;
-use self::transform::{Counts, Transform};
+use self::transform::Transform;
 use super::{Ground, Layer, Layers, LayersError};
 use crate::Estimate;
-use crate::exact::dielectric_directions::DirectionCounts;
 use crate::exact::dispersion::Dispersion;
 use crate::exact::h_function::Nested;
 use crate::exact::hankel_inversion::{Contour, Inversion, Settings};
@@ -40,8 +37,8 @@ struct Side {
     doubt: Inversion,
 }
 
-const FINE: Counts = Counts { panel: 7, directions: DirectionCounts { hemisphere: 0, arcs: 12, arc: 32 } };
-const COARSE: Counts = Counts { panel: 5, directions: DirectionCounts { hemisphere: 0, arcs: 10, arc: 28 } };
+/// Nodes of a panel of depths, by the finer and the coarser rule.
+const NODES: [usize; 2] = [7, 5];
 /// Radius up to which the error keeps small, in mean free paths of the thinnest medium.
 const FARTHEST: f64 = 300.0;
 /// Part of the least decay at which wave numbers begin: at the whole, light gets infinitely deep.
@@ -73,7 +70,7 @@ impl Layers {
     /// # Errors
     /// A layer scatters by another law than the isotropic one, or media have different indices of refraction.
     pub fn profile(&self) -> Result<LayersProfile, LayersError> {
-        let faces = self.faces()?;
+        self.check_for_profile()?;
         let extinctions: Vec<f64> =
             (self.layers.iter()).filter(|layer| layer.scattering > 0.0).map(Layer::extinction).collect();
         let most = extinctions.iter().copied().fold(0.0, f64::max);
@@ -82,7 +79,7 @@ impl Layers {
         let r_max = FARTHEST * if most > 0.0 { (most / least).min(1e6) } else { 1.0 };
         let contour =
             Contour::new(self.slowest_decay(unit), &Settings { r_max, k_step: STEP, ..Settings::default() });
-        let [fine, coarse] = [FINE, COARSE].map(|counts| Transform::new(self, faces, unit, counts));
+        let [fine, coarse] = NODES.map(|count| Transform::new(self, unit, count));
         let at = |k: Complex64| {
             let [fine, coarse] = [fine.remainder(k), coarse.remainder(k)];
             [0, 1].map(|side| [fine[side], fine[side] - coarse[side]])
@@ -96,7 +93,7 @@ impl Layers {
                 let total = Estimate { value: total[side][which].re, error: 0.0 };
                 Inversion::new(&contour, &values).with_total(total)
             };
-            let single = Single::new(self, faces, unit, side == 1);
+            let single = Single::new(self, unit, side == 1);
             Side { single, rest: inversion(0), doubt: inversion(1) }
         };
         let is_open = matches!(self.ground, Ground::Medium { .. });
@@ -104,7 +101,7 @@ impl Layers {
     }
 
     /// Checks for what a profile can be solved.
-    fn faces(&self) -> Result<Faces, LayersError> {
+    fn check_for_profile(&self) -> Result<(), LayersError> {
         let eta = self.eta_above;
         let fail = |layer, parameter, value, allowed, limit| {
             let error = ParameterError { limit, ..ParameterError::new(parameter, value, allowed) };
@@ -122,7 +119,7 @@ impl Layers {
         }
         match self.ground {
             Ground::Medium { eta: below } if below != eta => fail(None, "eta below", below, same, Some(eta)),
-            _ => Ok(Faces { top: 1.0, bottom: 1.0 }),
+            _ => Ok(()),
         }
     }
 

@@ -3,20 +3,17 @@
 //! It makes R ~ 1/r, and its transform decays too slowly to be inverted. From the depth z a share
 //!
 //! ```text
-//! (1/4π) σ_s φ₀(z) e^{−τ ρ/z} (1 − F) z/ρ³,     ρ = √(z² + r²)
+//! (1/4π) σ_s φ₀(z) e^{−τ ρ/z} z/ρ³,     ρ = √(z² + r²)
 //! ```
 //!
-//! leaves per area at the distance r.
+//! leaves per area at the distance r, where φ₀ = e^{−τ} falls from the upper face on.
 
 use std::f64::consts::PI;
 
-use translucid_profile::fresnel_from_inside;
 use translucid_profile::quadrature::gauss_legendre;
 
 use super::super::Layers;
-use super::cones::Faces;
 use super::depths::in_unit;
-use super::transform::Beam;
 use crate::Estimate;
 
 /// Scattering layers as the light sees them that leaves through one face.
@@ -24,12 +21,8 @@ use crate::Estimate;
 pub(super) struct Single {
     /// From the face on.
     spans: Vec<Span>,
-    /// Flux of the beam from the face, and towards it, which begins behind all layers.
-    beam: [f64; 2],
-    /// Optical thickness of all layers.
-    end: f64,
-    /// Index of refraction of the layers over that outside.
-    eta: f64,
+    /// Optical thickness of all layers, where the beam comes through them towards the face.
+    towards: Option<f64>,
 }
 
 /// One layer.
@@ -49,7 +42,7 @@ const POINTS: [usize; 2] = [10, 7];
 
 impl Single {
     /// Seen from above, or from below.
-    pub(super) fn new(layers: &Layers, faces: Faces, unit: f64, from_below: bool) -> Self {
+    pub(super) fn new(layers: &Layers, unit: f64, from_below: bool) -> Self {
         let scaled: Vec<_> = layers.layers().iter().map(|layer| in_unit(layer, unit)).collect();
         let order: Vec<_> = if from_below { scaled.iter().rev().collect() } else { scaled.iter().collect() };
         let (mut z, mut tau, mut spans) = (0.0, 0.0, Vec::new());
@@ -59,9 +52,7 @@ impl Single {
             z += layer.thickness;
             tau += extinction * layer.thickness;
         }
-        let Beam { down, up } = Beam::new(faces, tau);
-        let (beam, ratio) = if from_below { ([up, down], faces.bottom) } else { ([down, up], faces.top) };
-        Self { spans, beam, end: tau, eta: 1.0 / ratio }
+        Self { spans, towards: from_below.then_some(tau) }
     }
 
     pub(super) fn eval(&self, r: f64) -> Estimate {
@@ -71,7 +62,6 @@ impl Single {
 
     fn sum(&self, r: f64, points: usize) -> f64 {
         let rule = gauss_legendre(points);
-        let critical = if self.eta > 1.0 { r * (self.eta * self.eta - 1.0).sqrt() } else { 0.0 };
         let mut sum = 0.0;
         for span in self.spans.iter().filter(|span| span.scattering > 0.0) {
             let [from, to] = span.z;
@@ -80,17 +70,16 @@ impl Single {
             let from_face = in_mean_free_paths.clone().map(|end| from + end / span.extinction);
             let from_end = in_mean_free_paths.map(|end| to - end / span.extinction);
             let last = (from + IN_MEAN_FREE_PATHS[8] / span.extinction).min(to);
-            let last = if self.beam[1] > 0.0 { to } else { last };
-            let mut ends: Vec<f64> = in_radii.chain(from_face).chain(from_end).chain([critical]).collect();
+            let last = if self.towards.is_some() { to } else { last };
+            let mut ends: Vec<f64> = in_radii.chain(from_face).chain(from_end).collect();
             ends.retain(|end| *end > from && *end < last);
             ends.extend([from, last]);
             ends.sort_by(f64::total_cmp);
-            for panel in ends.windows(2).filter(|panel| panel[1] > critical) {
+            for panel in ends.windows(2) {
                 let width = panel[1] - panel[0];
                 for (x, weight) in &rule {
-                    // Fresnel's transmittance begins like a root
-                    let x = 0.5 + 0.5 * x;
-                    sum += self.density(span, panel[0] + width * x * x, r) * width * x * weight;
+                    let z = panel[0] + width * (0.5 + 0.5 * x);
+                    sum += self.density(span, z, r) * 0.5 * width * weight;
                 }
             }
         }
@@ -99,11 +88,9 @@ impl Single {
 
     fn density(&self, span: &Span, z: f64, r: f64) -> f64 {
         let tau = span.tau + span.extinction * (z - span.z[0]);
-        let towards = if self.beam[1] > 0.0 { self.beam[1] * libm::exp(tau - self.end) } else { 0.0 };
-        let fluence = self.beam[0] * libm::exp(-tau) + towards;
+        let fluence = libm::exp(self.towards.map_or(-tau, |end| tau - end));
         let mu = 1.0 / libm::hypot(1.0, r / z);
-        let passed = if self.eta == 1.0 { 1.0 } else { 1.0 - fresnel_from_inside(mu, self.eta) };
         let distance = z / mu;
-        span.scattering * fluence * libm::exp(-tau / mu) * passed * mu / (4.0 * PI * distance * distance)
+        span.scattering * fluence * libm::exp(-tau / mu) * mu / (4.0 * PI * distance * distance)
     }
 }
