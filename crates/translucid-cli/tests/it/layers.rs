@@ -39,9 +39,8 @@ fn totals_are_those_of_the_library() {
         let csv = stdout(directory.path(), &format!("reference --layers layers.toml {options}"));
         let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
         assert_eq!(rows[0], ["part", "value", "error"]);
-        let value = |part: &str| -> f64 {
-            rows.iter().find(|row| row[0] == part).unwrap()[1].parse().unwrap()
-        };
+        let value =
+            |part: &str| -> f64 { rows.iter().find(|row| row[0] == part).unwrap()[1].parse().unwrap() };
         let totals = paint(0.5).totals(incidence).unwrap();
         assert_eq!(value("diffuse_reflectance"), totals.diffuse_reflectance);
         assert_eq!(value("collimated_transmittance"), totals.collimated_transmittance);
@@ -58,8 +57,7 @@ fn profile_is_that_of_the_library() {
     let row: Vec<f64> = csv.lines().nth(1).unwrap().split(',').map(|word| word.parse().unwrap()).collect();
     let profile = paint(0.0).profile().unwrap();
     let [reflectance, transmittance] = [profile.reflectance(0.1), profile.transmittance(0.1)];
-    let expected =
-        [0.1, reflectance.value, reflectance.error, transmittance.value, transmittance.error];
+    let expected = [0.1, reflectance.value, reflectance.error, transmittance.value, transmittance.error];
     assert_eq!(row, expected);
 }
 
@@ -70,11 +68,19 @@ fn faults_are_named() {
     for (text, options, expected) in [
         ("", "", "number of layers is 0, but must be in [1, 1000]"),
         ("[[layer]]\nthicknes = 1\n", "", "layer[0] has no key thicknes"),
-        ("[[layer]]\nthickness = 1\n", "", "layer[0] needs scattering and absorption, or surface_albedo and mfp"),
+        (
+            "[[layer]]\nthickness = 1\n",
+            "",
+            "layer[0] needs scattering and absorption, or surface_albedo and mfp",
+        ),
         (&format!("{layer}thickness = 0\n"), "", "layer[0].thickness is 0, but must be in (0, 1e100]"),
         (&format!("{layer}g = 1\n"), "", "layer[0].g is 1, but must be in (-1, 1)"),
         (&format!("{layer}g = 0.5\nmoments = [0.5]\n"), "", "beside g, but one of them is enough"),
-        (&format!("{layer}{layer}"), "", "layer[0]: thickness is inf, but must be finite but in the last layer"),
+        (
+            &format!("{layer}{layer}"),
+            "",
+            "layer[0]: thickness is inf, but must be finite but in the last layer",
+        ),
         (&format!("{layer}[below]\neta = 1\n"), "", "thickness is inf, but must be finite above a ground"),
         (&format!("{layer}thickness = 1\n[below]\n"), "", "below needs one of the keys"),
         (layer, "--method monte-carlo", "--method is monte-carlo"),

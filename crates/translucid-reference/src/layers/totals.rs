@@ -23,14 +23,14 @@ pub struct Totals {
     pub absorbed: Vec<f64>,
     /// Part that the ground absorbs.
     pub absorbed_by_ground: f64,
-    /// Estimate of the greatest numerical error among them: the difference between two rules.
+    /// Estimate of the greatest numerical error among them: twice the difference between two rules.
     pub error: f64,
 }
 
 /// Rays between two indices, rule by rule.
 const COUNTS: [usize; 7] = [8, 12, 16, 24, 32, 48, 64];
-/// Difference at which no finer rule is tried.
-const ENOUGH: f64 = 1e-7;
+/// Error at which no finer rule is tried.
+const ENOUGH: f64 = 4e-7;
 /// Most rays of a rule.
 const MOST_RAYS: usize = 256;
 
@@ -63,7 +63,7 @@ impl Layers {
         for count in COUNTS {
             let is_too_large = count * panels > MOST_RAYS;
             let now = self.totals_by(&Rays::new(self, count, beam));
-            let error = before.as_ref().map_or(f64::INFINITY, |before| now.difference(before));
+            let error = before.as_ref().map_or(f64::INFINITY, |before| 2.0 * now.difference(before));
             let now = Totals { error: error.max(1e-12), ..now };
             if error < ENOUGH || (before.is_some() && is_too_large) {
                 return Ok(now);

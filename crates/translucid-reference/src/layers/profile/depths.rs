@@ -5,6 +5,8 @@
 //! over u, by pieces that shrink towards 0, the same for all nodes, and takes the collisions there from the panel's
 //! polynomial.
 
+use std::collections::BTreeMap;
+
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
@@ -171,37 +173,53 @@ impl ScatteringLayer {
             let half = 0.5 * (to - from);
             rule.iter().map(move |(x, weight)| (from + half * (1.0 + x), half * weight))
         };
-        let mut distances: Vec<f64> =
-            pieces.windows(2).flat_map(|piece| points(piece[0], piece[1])).map(|(u, _)| u).collect();
-        let mut uses = Vec::new();
+        let whole: Vec<Vec<(f64, f64)>> =
+            pieces.windows(2).map(|piece| points(piece[0], piece[1]).collect()).collect();
+        let mut uses = BTreeMap::<_, Vec<f64>>::new();
+        let mut add = |row: usize, at: f64, distance: usize, share: f64| {
+            let (panel, weights) = interpolation(ends, inside, per_panel, at);
+            let key = (first + row, first + panel * per_panel, distance);
+            let sums = uses.entry(key).or_insert_with(|| vec![0.0; per_panel]);
+            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += share * weight);
+        };
         for (row, at) in inside.iter().enumerate() {
             for (sign, most) in [(-1.0, *at), (1.0, bottom - at)] {
                 for (number, piece) in pieces.windows(2).enumerate().filter(|(_, piece)| piece[0] < most) {
-                    let is_whole = piece[1] <= most;
-                    let start = if is_whole { number * PIECE_POINTS } else { distances.len() };
-                    for (point, (u, weight)) in points(piece[0], piece[1].min(most)).enumerate() {
-                        if !is_whole {
-                            distances.push(u);
+                    let known: Vec<f64> = whole[number].iter().map(|(u, _)| *u).collect();
+                    let place = |point: usize| number * PIECE_POINTS + point;
+                    if piece[1] <= most {
+                        for (point, (u, weight)) in whole[number].iter().enumerate() {
+                            add(row, at + sign * u, place(point), *weight);
                         }
-                        let (panel, mut weights) = interpolation(ends, inside, per_panel, at + sign * u);
-                        weights.iter_mut().for_each(|share| *share *= weight);
-                        let column = first + panel * per_panel;
-                        uses.push(Use { row: first + row, column, distance: start + point, weights });
+                        continue;
+                    }
+                    // The layer ends within the piece, whose kernel is a polynomial of the same values
+                    for (u, weight) in points(piece[0], most) {
+                        for (point, share) in lagrange(&known, u).into_iter().enumerate() {
+                            add(row, at + sign * u, place(point), weight * share);
+                        }
                     }
                 }
             }
         }
-        Self { first, count: inside.len(), extinction: layer.extinction(), distances, uses }
+        let distances = whole.into_iter().flatten().map(|(u, _)| u).collect();
+        let uses =
+            uses.into_iter().map(|((row, column, distance), weights)| Use { row, column, distance, weights });
+        Self { first, count: inside.len(), extinction: layer.extinction(), distances, uses: uses.collect() }
     }
 }
 
 /// The panel of a depth, and the weights of its nodes in Lagrange's polynomial.
 fn interpolation(ends: &[f64], nodes: &[f64], per_panel: usize, at: f64) -> (usize, Vec<f64>) {
     let panel = ends.partition_point(|end| *end < at).clamp(1, ends.len() - 1) - 1;
-    let nodes = &nodes[panel * per_panel..][..per_panel];
+    (panel, lagrange(&nodes[panel * per_panel..][..per_panel], at))
+}
+
+/// Weights of the values at nodes in Lagrange's polynomial.
+fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
     let weight = |i: usize| {
         let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
         others.map(|(_, other)| (at - other) / (nodes[i] - other)).product()
     };
-    (panel, (0..per_panel).map(weight).collect())
+    (0..nodes.len()).map(weight).collect()
 }

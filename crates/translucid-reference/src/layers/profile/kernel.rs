@@ -25,16 +25,19 @@ use crate::exact::complex::{exp, ln, sqrt};
 pub(super) struct Kernel {
     short: Vec<(f64, f64)>,
     long: Vec<(f64, f64)>,
+    far: Vec<(f64, f64)>,
 }
 
 /// Exponent behind which nothing is left.
 const NEGLIGIBLE: f64 = 30.0;
 /// End of the piece in which the integrand is nearly constant in ln y.
 const PLATEAU: f64 = 0.6;
+/// Size of the first y from which on fewer points do.
+const FAR: f64 = 4.0;
 
 impl Kernel {
     pub(super) fn new() -> Self {
-        Self { short: unit_rule(8), long: unit_rule(18) }
+        Self { short: unit_rule(8), long: unit_rule(18), far: unit_rule(12) }
     }
 
     /// F₁, F₂ and F₃ for T ≥ 0, q in the right upper quadrant and T + |q| > 0.
@@ -54,7 +57,7 @@ impl Kernel {
             let far = integrals(&self.long, middle, last, square);
             [near[0] + far[0], near[1] + far[1]]
         } else {
-            integrals(&self.long, first, last, square)
+            integrals(if size < FAR { &self.long } else { &self.far }, first, last, square)
         };
         let decay = exp(-rho);
         [f1, decay - depth * f1, 0.5 * (g + depth * (depth * f1 - decay))]
@@ -126,7 +129,7 @@ mod tests {
     #[test]
     fn rules_have_points_enough() {
         let kernel = Kernel::new();
-        let finer = Kernel { short: unit_rule(30), long: unit_rule(60) };
+        let finer = Kernel { short: unit_rule(30), long: unit_rule(60), far: unit_rule(60) };
         for i in 0..200 {
             let depth = 10f64.powf(-6.0 + 7.5 * f64::from(i % 20) / 20.0);
             let size = 10f64.powf(-6.0 + 7.5 * f64::from(i / 20) / 10.0);

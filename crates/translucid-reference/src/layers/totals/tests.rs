@@ -33,7 +33,7 @@ fn half_space_has_the_exact_totals() {
         let specular = specular_reflectance(incidence, eta);
         let expected = (1.0 - specular) * exact.value;
         let off = (totals.diffuse_reflectance - expected).abs();
-        assert!(off < totals.error + exact.error && totals.error < 2e-7, "{alpha} {eta}: {totals:?} {off:e}");
+        assert!(off < totals.error + exact.error && totals.error < 4e-7, "{alpha} {eta}: {totals:?} {off:e}");
         assert!((totals.specular_reflectance - specular).abs() < totals.error);
         // A thick layer is nearly infinite
         let thick = solve(1.0, vec![Layer { thickness: 1e4, ..layer }], Ground::BLACK, incidence);
@@ -43,7 +43,7 @@ fn half_space_has_the_exact_totals() {
 
 /// Total reflectance and transmittance of the normal beam and of diffuse light: a, b, g, η of the slab, η of glass slides
 /// on both sides, and figures of S. Prahl's iadpython 0.5.3, with 16 points where no face reflects and with 32 elsewhere:
-/// its best ones, known to some 2e-5 and 2e-4. H. C. van de Hulst 1980, *Multiple Light Scattering*, has 0.267 and 0.592 for the first.
+/// its best ones, known to some 2e-5 and 2e-4. `benches/peers/adding_doubling.py` prints them.
 const ADDING_DOUBLING: [([f64; 5], [f64; 4]); 8] = [
     ([0.9, 1.0, 0.0, 1.0, 1.0], [0.267410340, 0.591625139, 0.352712128, 0.474745703]),
     ([0.9, 1.0, 0.8, 1.0, 1.0], [0.042365485, 0.845378621, 0.116619416, 0.710550436]),
