@@ -41,8 +41,7 @@ impl LayerOperators {
             };
         }
         let weights: Vec<f64> = (0..count).map(|ray| rays.cosine_weight(ray, layer.eta)).collect();
-        let diffuse_rays = count - usize::from(rays.beam().is_some_and(|beam| beam < count));
-        let scatter = Scatter::new(layer, &cosines, &weights, 2 * diffuse_rays);
+        let scatter = Scatter::new(layer, &cosines, &weights, rays.moments(count));
         scatter.operators(layer, &cosines, &weights)
     }
 }

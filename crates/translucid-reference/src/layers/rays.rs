@@ -21,6 +21,8 @@ pub(super) struct Rays {
     roots: Vec<f64>,
     /// Index of the beam's ray.
     beam: Option<usize>,
+    /// Pieces of the rule.
+    pieces: usize,
 }
 
 impl Rays {
@@ -28,8 +30,9 @@ impl Rays {
     pub(super) fn new(layers: &Layers, count: usize, beam: Option<f64>) -> Self {
         let rule = gauss_legendre(count);
         let mut nodes = Vec::new();
-        let mut low = 0.0;
-        for high in squared_indices(layers) {
+        let (mut low, indices) = (0.0, squared_indices(layers));
+        let pieces = indices.len();
+        for high in indices {
             nodes.extend(rule.iter().map(|(x, weight)| {
                 let t = 0.5 * (1.0 + x);
                 [high - (high - low) * t * t, (high - low) * t * weight]
@@ -42,12 +45,20 @@ impl Rays {
             squares: nodes.iter().map(|node| node[0]).collect(),
             roots: nodes.iter().map(|node| node[1].sqrt()).collect(),
             beam: beam.and_then(|square| nodes.iter().position(|node| node[0] == square)),
+            pieces,
         }
     }
 
     /// Number of rays that a medium has: the first ones.
     pub(super) fn count(&self, eta: f64) -> usize {
         self.squares.partition_point(|square| cosine_squared(*square, eta) > 1e-14)
+    }
+
+    /// Number of Legendre polynomials that the first so many rays resolve: twice as many as they are by Gauss's rule in μ,
+    /// and fewer by one of several pieces, where higher ones do harm.
+    pub(super) fn moments(&self, count: usize) -> usize {
+        let count = count - usize::from(self.beam.is_some_and(|beam| beam < count));
+        count + count / self.pieces
     }
 
     /// Cosine of a ray that the medium has.

@@ -12,6 +12,7 @@ use translucid_profile::quadrature::gauss_legendre;
 
 use super::super::{Layer, Layers};
 use super::kernel::Kernel;
+use crate::exact::dispersion::Dispersion;
 
 /// Nodes of all layers, in units of the length that the profile counts in.
 #[derive(Clone, Debug)]
@@ -60,8 +61,10 @@ const PANELS: [f64; 5] = [0.01, 0.1, 0.5, 1.5, 3.5];
 const ENDLESS_FROM: f64 = 16.0;
 const GROWTH: f64 = 1.6;
 const ENDLESS_GROWTH: f64 = 2.0;
-/// Depth of an endless layer that counts, in mean free paths.
+/// Greatest depth of an endless layer that counts, in mean free paths, and that by its least decay along itself: with the
+/// wave numbers of the profile light decays with depth at least a third as fast.
 const DEEPEST: f64 = 3e4;
+const DEEPEST_BY_DECAY: f64 = 120.0;
 /// Ends of pieces by the distance from a node, in the same.
 const PIECES: [f64; 15] =
     [1e-5, 5e-5, 2.5e-4, 1.2e-3, 6e-3, 0.03, 0.12, 0.4, 1.0, 2.2, 4.5, 9.0, 18.0, 40.0, 100.0];
@@ -94,6 +97,12 @@ impl Depths {
             tau += layer.extinction() * layer.thickness;
         }
         Self { nodes, scattering_layers }
+    }
+
+    /// Number of nodes that layers need, with so many in a panel.
+    pub(super) fn count(layers: &Layers, unit: f64, per_panel: usize) -> usize {
+        let scattering = layers.layers().iter().filter(|layer| layer.scattering > 0.0);
+        scattering.map(|layer| per_panel * (panel_ends(&in_unit(layer, unit)).len() - 1)).sum()
     }
 
     /// Adds ½ ∫ F₁ S dz of light that goes straight from all depths to each node.
@@ -140,10 +149,16 @@ fn scale(layer: &Layer) -> f64 {
     (1.0 / layer.extinction()).min(layer.thickness)
 }
 
+/// Depth of an endless layer that counts, in mean free paths.
+fn deepest(layer: &Layer) -> f64 {
+    let decay = Dispersion::new(layer.scattering / layer.extinction()).k0;
+    (DEEPEST_BY_DECAY / decay).min(DEEPEST)
+}
+
 /// Ends of panels from face to face.
 fn panel_ends(layer: &Layer) -> Vec<f64> {
     let (scale, is_endless) = (scale(layer), layer.thickness.is_infinite());
-    let middle = if is_endless { DEEPEST * scale } else { 0.5 * layer.thickness };
+    let middle = if is_endless { scale * deepest(layer) } else { 0.5 * layer.thickness };
     let mut ends = vec![0.0];
     ends.extend(PANELS.iter().map(|end| end * scale));
     while ends[ends.len() - 1] < middle {

@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
+use self::depths::Depths;
 use self::single::Single;
 use self::transform::Transform;
 use super::{Ground, Layer, Layers, LayersError};
@@ -39,6 +40,8 @@ struct Side {
 
 /// Nodes of a panel of depths, by the finer and the coarser rule.
 const NODES: [usize; 2] = [7, 5];
+/// Most nodes of a stack: each wave number solves a system of as many equations.
+const MOST_DEPTHS: usize = 800;
 /// Radius up to which the error keeps small, in mean free paths of the thinnest medium.
 const FARTHEST: f64 = 300.0;
 /// Part of the least decay at which wave numbers begin: at the whole, light gets infinitely deep.
@@ -68,7 +71,8 @@ impl Layers {
     /// ```
     ///
     /// # Errors
-    /// A layer scatters by another law than the isotropic one, or media have different indices of refraction.
+    /// A layer scatters by another law than the isotropic one, media have different indices of refraction, or there are too
+    /// many layers: some 15.
     pub fn profile(&self) -> Result<LayersProfile, LayersError> {
         self.check_for_profile()?;
         let extinctions: Vec<f64> =
@@ -76,6 +80,12 @@ impl Layers {
         let most = extinctions.iter().copied().fold(0.0, f64::max);
         let least = extinctions.iter().copied().fold(most, f64::min);
         let unit = if most > 0.0 { 1.0 / most } else { 1.0 };
+        let depths = Depths::count(self, unit, NODES[0]);
+        if depths > MOST_DEPTHS {
+            let allowed = "at most 800 for a profile: fewer or thinner layers";
+            let error = ParameterError::new("number of depths that the layers need", depths as f64, allowed);
+            return Err(LayersError { layer: None, error });
+        }
         let r_max = FARTHEST * if most > 0.0 { (most / least).min(1e6) } else { 1.0 };
         let contour =
             Contour::new(self.slowest_decay(unit), &Settings { r_max, k_step: STEP, ..Settings::default() });

@@ -207,7 +207,8 @@ fn profiles_that_are_not_solved_are_refused() {
         refused(vec![plain.clone().with_eta(1.4)], Ground::AIR),
         "layer 1: eta is 1.4, but must be for a profile that of the medium above, 1"
     );
-    assert!(refused(vec![plain], Ground::Medium { eta: 1.4 }).contains("eta below is 1.4"));
+    assert!(refused(vec![plain.clone()], Ground::Medium { eta: 1.4 }).contains("eta below is 1.4"));
+    assert!(refused(vec![plain; 100], Ground::AIR).contains("number of depths that the layers need is"));
 }
 
 #[test]
