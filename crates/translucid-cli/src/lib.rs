@@ -215,6 +215,10 @@ fn with_hints(command: Command) -> Command {
     let option = |(name, own): (&'static str, &'static str)| {
         Arg::new(name).long(name).hide(true).value_parser(UnknownArgumentValueParser::suggest_arg(own))
     };
+    // Layers have totals, for which no radii are needed
+    let command = command.mut_subcommand("reference", |reference| {
+        reference.mut_arg("at", |radii| radii.required_unless_present("layers"))
+    });
     command.mut_subcommand("render", |render| render.args(FOREIGN_OPTIONS.map(option)))
 }
 

@@ -62,7 +62,15 @@ impl TableArguments {
         columns: [&str; N],
         rows: impl Iterator<Item = [f64; N]>,
     ) -> Result<(), Failure> {
-        let rows = rows.map(|row| row.map(Cell::Number));
+        self.write_cells(columns, rows.map(|row| row.map(Cell::Number)))
+    }
+
+    /// Writes a table of numbers and words in the same way.
+    pub(crate) fn write_cells<const N: usize>(
+        &self,
+        columns: [&str; N],
+        rows: impl Iterator<Item = [Cell; N]>,
+    ) -> Result<(), Failure> {
         let Some(path) = &self.output else {
             let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
             let written = self.format.write(&mut out, &columns, rows).and_then(|()| out.flush());

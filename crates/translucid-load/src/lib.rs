@@ -59,6 +59,6 @@ pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use still_life::still_life;
 pub use stl::{load_stl, parse_stl};
-pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
+pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile, load_toml};
 pub use viewpoint::Viewpoint;
 pub use watch::{LoadProgress, LoadWatch};

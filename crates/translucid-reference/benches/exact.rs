@@ -1,4 +1,4 @@
-//! Time of the exact solution on one core.
+//! Time of the exact solution on one core, and of layers, whose profiles take all cores.
 //!
 //! `cargo bench -p translucid-reference --bench exact`.
 //! The goals are 10 ms for `one_albedo` and 1 s for `set_of_albedos`.
@@ -6,6 +6,7 @@
 use divan::{Bencher, black_box};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
+use translucid_reference::layers::{Ground, Layer, Layers, LayersProfile, Totals};
 
 fn main() {
     divan::main();
@@ -67,4 +68,32 @@ fn set_of_albedos(name: &str) -> f64 {
             radii().map(|r| half_space.eval(r).value).sum::<f64>()
         })
         .sum()
+}
+
+/// Paint, a primer and wood.
+fn three_layers(g: f64, eta: f64) -> Layers {
+    let layers = [(20.0, 0.1, 0.1), (5.0, 0.5, 0.2), (2.0, 0.2, f64::INFINITY)];
+    let layer = |(scattering, absorption, thickness)| {
+        Layer::new(scattering, absorption, thickness).with_g(g).with_eta(eta)
+    };
+    Layers::new(1.0, layers.map(layer).into(), Ground::None).expect("valid layers")
+}
+
+/// Totals of three layers, by g and η.
+#[divan::bench(args = [(0.0, 1.0), (0.8, 1.0), (0.0, 1.4), (0.8, 1.4)])]
+fn totals_of_three_layers((g, eta): (f64, f64)) -> Totals {
+    three_layers(black_box(g), eta).totals(Incidence::NORMAL).expect("valid incidence")
+}
+
+/// R(r) of three layers.
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn profile_of_three_layers() -> LayersProfile {
+    three_layers(black_box(0.0), 1.0).profile().expect("solvable layers")
+}
+
+/// R(r) at 200 radii of three solved layers.
+#[divan::bench]
+fn eval_of_layers_at_200_radii(bencher: Bencher<'_, '_>) {
+    let profile = profile_of_three_layers();
+    bencher.bench_local(|| radii().map(|r| profile.reflectance(black_box(r)).value).sum::<f64>());
 }

@@ -1,15 +1,16 @@
 //! Ground truth for subsurface scattering.
 //!
-//! Every approximation of light under a surface needs a judge. This crate holds three, on the same parameters:
+//! Every approximation of light under a surface needs a judge. This crate holds four, on the same parameters:
 //!
 //! - [`exact`]: the half space of isotropic scatterers, solved. Its figures carry an estimate of their numerical
 //!   error: without a boundary some 1e-10 of the value, with one as [`exact::HalfSpace::with_boundary`] states.
 //! - [`walk`]: a Monte Carlo walk for everything else (phase functions, slabs, spots of light), whose figures
 //!   carry a standard error, and whose tables serve every albedo at once.
+//! - [`layers`]: plane layers of different media on a ground.
 //! - [`body`]: the same, photon by photon, in things that are no half space: sphere, slab and wedge.
 //!
 //! # Conventions
-//! *Lengths are mean free paths* (ℓ = 1/σ_t = 1): a medium of another ℓ has the profile R(r/ℓ)/ℓ².
+//! *Lengths are mean free paths* (ℓ = 1/σ_t = 1), but in [`layers`]: a medium of another ℓ has the profile R(r/ℓ)/ℓ².
 //!
 //! *One unit of flux has entered the medium.* What the boundary reflects from outside is not part of it, as in
 //! the BSSRDF S = C F_t R F_t, where the factor F_t stands for entering; light that is reflected on its way out
@@ -26,6 +27,7 @@ pub mod body;
 mod estimate;
 pub mod exact;
 mod incidence;
+pub mod layers;
 mod ray;
 mod split_mix;
 pub mod walk;

@@ -1,6 +1,8 @@
 //! `translucid reference`: ground truth as a table.
 
 mod exact_method;
+mod layers_file;
+mod layers_method;
 mod merging;
 mod photons;
 mod walk_method;
@@ -8,7 +10,7 @@ mod walk_method;
 pub(crate) use merging::merge_tables;
 pub(crate) use photons::parse_photons;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
 use translucid_reference::exact::single_scattering_albedo;
@@ -33,6 +35,10 @@ less if radii are dense; enclosed has no such width. With --azimuth it is the me
 degree wide, or up to 10 with many radii.
 R grows like 1/r towards r = 0, where the exact method prints a huge finite number and the walk has no ring.
 
+--layers solves plane layers that a file states, per unit of flux that arrives from above, what their faces reflect
+included. Without radii it prints totals: what is reflected (specular: never scattered), transmitted, and absorbed by each
+layer. With radii it prints R(r) and T(r) of a searchlight, scattered light only, with their errors.
+
 One walk serves all albedos of the list. --table keeps its photons in a file, which --resume continues and --merge
 joins to others; no photon counts twice. With --photons A..B many machines share a walk: their tables, merged in
 any order, are bit for bit the table of one run.
@@ -40,6 +46,8 @@ any order, are bit for bit the table of one run.
 Examples:
   translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
   translucid reference --method exact --single-scattering-albedo 0.9 --eta 1.4 --points 100 --max 10
+  translucid reference --layers skin.toml --incidence-angle 45
+  translucid reference --layers paint.toml --at 0.1,1,10
   translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
   translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume
@@ -52,7 +60,7 @@ pub(crate) struct ReferenceArguments {
     /// How to find the truth
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
-    /// How light enters the medium [default: diffuse, but searchlight with --incidence-angle]
+    /// How light enters the medium [default: diffuse, but searchlight with --incidence-angle or --layers]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
     /// Single-scattering albedos, each in (0, 1], comma-separated
@@ -73,6 +81,14 @@ pub(crate) struct ReferenceArguments {
         group = "albedos"
     )]
     surface_albedo: Vec<f64>,
+    /// File of plane layers (.toml) to solve in place of one medium; without radii its totals are printed
+    #[arg(
+        long,
+        value_name = "FILE.toml",
+        group = "albedos",
+        conflicts_with_all = ["mfp", "g", "phase_function", "eta", "azimuth", "thickness", "side", "spot_radius"]
+    )]
+    layers: Option<PathBuf>,
     /// Mean free path in the volume [any unit; all lengths are in the same]
     #[arg(long, value_name = "L", default_value_t = 1.0, allow_negative_numbers = true)]
     mfp: f64,
@@ -138,6 +154,9 @@ const COLUMNS: [&str; 6] =
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &ReferenceArguments) -> Result<(), Failure> {
+    if let Some(file) = &arguments.layers {
+        return machine::threads(arguments.walk.threads)?.install(|| layers_method::run(arguments, file));
+    }
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
     machine::threads(arguments.walk.threads)?.install(|| match arguments.method {
@@ -183,6 +202,7 @@ impl ReferenceArguments {
         let Some(degrees) = self.incidence_angle else {
             return Ok(match self.configuration {
                 Some(ConfigurationName::Searchlight) => Incidence::NORMAL,
+                None if self.layers.is_some() => Incidence::NORMAL,
                 Some(ConfigurationName::Diffuse) | None => Incidence::Cosine,
             });
         };

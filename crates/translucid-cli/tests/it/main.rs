@@ -11,6 +11,7 @@ mod fit;
 mod gallery;
 mod killed;
 mod known_shape;
+mod layers;
 mod look;
 mod markdown;
 mod measure;

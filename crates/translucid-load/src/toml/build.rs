@@ -111,16 +111,16 @@ impl SceneFile {
     }
 }
 
-fn read_text(path: &Path) -> Result<String, SceneError> {
+pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
     let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     if length > LARGEST_FILE {
-        let message = format!("the scene file has {length} bytes, but at most {LARGEST_FILE} are allowed");
+        let message = format!("the file has {length} bytes, but at most {LARGEST_FILE} are allowed");
         return Err(SceneError::at(Place::file(path), message));
     }
     let bytes = read_file(path)?;
     String::from_utf8(bytes).map_err(|error| {
         let place = Place::part(path, format!("byte {}", error.utf8_error().valid_up_to()));
-        SceneError::at(place, "a scene file must be UTF-8 text, but this is not")
+        SceneError::at(place, "the file must be UTF-8 text, but this is not")
     })
 }
 

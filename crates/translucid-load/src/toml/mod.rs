@@ -70,6 +70,16 @@ impl Word for Grouping {
     const WORDS: &'static [(&'static str, Self)] = &[("object", Self::Object), ("material", Self::Material)];
 }
 
+/// Reads any TOML file: its text, and its entries with their places.
+///
+/// # Errors
+/// The file cannot be read, has more than 16 MiB, or is not TOML.
+pub fn load_toml(path: &Path) -> Result<(Provenance, Vec<Entry>), SceneError> {
+    let source = Provenance::file(path, &build::read_text(path)?);
+    let entries = parse(&source)?;
+    Ok((source, entries))
+}
+
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
 /// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.

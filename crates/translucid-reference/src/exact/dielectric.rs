@@ -63,12 +63,13 @@ impl DielectricHalfSpace {
         settings: &DielectricSettings,
     ) -> Self {
         let dispersion = Dispersion::new(single_scattering_albedo);
-        let contour = Contour::new(&dispersion, &settings.contour);
+        let contour = Contour::new(dispersion.k0, &settings.contour);
         let remainders: Vec<[Complex64; 2]> = (contour.nodes.par_iter())
             .map(|node| {
+                let wave_number = contour.wave_number(&dispersion, node);
                 let remainder = |counts| {
-                    let response = respond(&dispersion, node.wave_number, eta, counts, settings);
-                    entrance.remainder(&response, node.wave_number.k)
+                    let response = respond(&dispersion, wave_number, eta, counts, settings);
+                    entrance.remainder(&response, wave_number.k)
                 };
                 [settings.fine, settings.coarse].map(remainder)
             })

@@ -55,7 +55,7 @@ pub(crate) struct Node {
     /// x.
     pub(crate) x: f64,
     /// k = i k₀ + x e^{iψ}.
-    pub(crate) wave_number: WaveNumber,
+    pub(crate) k: Complex64,
     /// Weight of the rule, dk.
     pub(crate) dk: Complex64,
 }
@@ -71,7 +71,8 @@ pub(crate) struct Contour {
 }
 
 impl Contour {
-    pub(crate) fn new(dispersion: &Dispersion, settings: &Settings) -> Self {
+    /// A ray that begins at i k₀.
+    pub(crate) fn new(k0: f64, settings: &Settings) -> Self {
         let Settings { angle, k_step, r_max, .. } = *settings;
         let direction = from_polar(1.0, angle);
         let (low, high) = (libm::log(0.1 / r_max), libm::log(1e5f64));
@@ -82,9 +83,14 @@ impl Contour {
             let (below, above) = (libm::exp(low - w), libm::exp(w - high));
             let x = libm::exp(w - below + above);
             let dk = direction * (x * (1.0 + below + above) * k_step);
-            Node { x, wave_number: WaveNumber::on_ray(dispersion, x, angle), dk }
+            Node { x, k: direction * x + Complex64::I * k0, dk }
         };
-        Self { k0: dispersion.k0, angle, low: libm::exp(low), nodes: (0..=count).map(node).collect() }
+        Self { k0, angle, low: libm::exp(low), nodes: (0..=count).map(node).collect() }
+    }
+
+    /// The wave number of a node, if the ray begins at the k₀ of a medium.
+    pub(crate) fn wave_number(&self, dispersion: &Dispersion, node: &Node) -> WaveNumber {
+        WaveNumber::on_ray(dispersion, node.x, self.angle)
     }
 }
 

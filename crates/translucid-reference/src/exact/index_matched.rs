@@ -48,8 +48,10 @@ impl MatchedHalfSpace {
     pub(crate) fn new(single_scattering_albedo: f64, entrance: Entrance, settings: &Settings) -> Self {
         let dispersion = Dispersion::new(single_scattering_albedo);
         let kernel = MultipleScattering::new(dispersion, entrance, settings);
-        let contour = Contour::new(&dispersion, settings);
-        let values: Vec<Nested> = contour.nodes.iter().map(|node| kernel.hankel(node.wave_number)).collect();
+        let contour = Contour::new(dispersion.k0, settings);
+        let values: Vec<Nested> = (contour.nodes.iter())
+            .map(|node| kernel.hankel(contour.wave_number(&dispersion, node)))
+            .collect();
         let multiple = kernel.on_real_axis(0.0);
         let inversion = Inversion::new(&contour, &values).with_total(multiple);
         let single_scattering = SingleScattering::new(single_scattering_albedo, entrance);

@@ -1,0 +1,126 @@
+//! Plane layers in a TOML file.
+
+use std::path::Path;
+
+use translucid_load::load_toml;
+use translucid_profile::{AlbedoInversion, Configuration, Parameterization};
+use translucid_reference::layers::{Ground, Layer, Layers};
+use translucid_scene::description::{Content, Item, Table};
+use translucid_scene::{Interval, SceneError};
+
+const COEFFICIENT: Interval = Interval::closed(0.0, 1e100);
+const ETA: Interval = Interval::closed(0.1, 10.0);
+const LENGTH: Interval = Interval::above(0.0, 1e100);
+const COSINE: Interval = Interval::open(-1.0, 1.0);
+/// Most moments of a phase function.
+const MOST_MOMENTS: usize = 10_000;
+
+/// Reads layers from a file.
+///
+/// # Errors
+/// The file cannot be read, or a key or value is wrong, at which the error points.
+pub(super) fn read_layers(path: &Path) -> Result<Layers, SceneError> {
+    let (source, entries) = load_toml(path)?;
+    let root = Table::root(&source, &entries).allow(&["above", "layer", "below"])?;
+    let above = match root.get("above") {
+        Some(item) => item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| eta.double(ETA))?,
+        None => 1.0,
+    };
+    let tables = root.tables("layer", Layers::MOST)?;
+    let layers = tables.into_iter().map(read_layer).collect::<Result<Vec<Layer>, SceneError>>()?;
+    let is_endless = layers.last().is_some_and(|layer| layer.thickness.is_infinite());
+    let ground = match root.get("below") {
+        Some(item) => read_ground(&item)?,
+        None if is_endless => Ground::None,
+        None => Ground::AIR,
+    };
+    Layers::new(above, layers, ground).map_err(|error| {
+        let message = error.error.to_string();
+        match error.layer.and_then(|layer| root.tables("layer", Layers::MOST).ok()?.into_iter().nth(layer)) {
+            Some(table) => table.error(format!("{}: {message}", table.path())),
+            None => root.error(message),
+        }
+    })
+}
+
+fn read_layer(table: Table<'_>) -> Result<Layer, SceneError> {
+    let keys = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "moments", "eta"];
+    let table = table.allow(&keys)?;
+    let thickness = table.read("thickness", f64::INFINITY, |item| match item.content() {
+        Content::Float(f64::INFINITY) => Ok(f64::INFINITY),
+        _ => item.double(LENGTH),
+    })?;
+    let g = table.read("g", 0.0, |item| item.double(COSINE))?;
+    let layer = match (table.get("surface_albedo"), table.get("scattering")) {
+        (Some(albedo), None) => of_albedo(&table, &albedo, g, thickness)?,
+        (None, Some(scattering)) => {
+            if let Some(mfp) = table.get("mfp") {
+                return Err(mfp.error(format!("{} belongs to surface_albedo, not to scattering", mfp.path())));
+            }
+            let absorption = table.require("absorption")?.double(COEFFICIENT)?;
+            Layer::new(scattering.double(COEFFICIENT)?, absorption, thickness).with_g(g)
+        }
+        (Some(albedo), Some(_)) => {
+            let path = albedo.path();
+            return Err(albedo.error(format!("{path} is given beside scattering, but one of them is enough")));
+        }
+        (None, None) => {
+            let path = table.path();
+            return Err(
+                table.error(format!("{path} needs scattering and absorption, or surface_albedo and mfp"))
+            );
+        }
+    };
+    let layer = layer.with_eta(table.read("eta", 1.0, |item| item.double(ETA))?);
+    let Some(moments) = table.get("moments") else { return Ok(layer) };
+    if table.get("g").is_some() {
+        return Err(
+            moments.error(format!("{} are given beside g, but one of them is enough", moments.path()))
+        );
+    }
+    Ok(layer.with_moments(read_moments(&moments)?))
+}
+
+/// The medium whose half space without a boundary has the surface albedo under diffuse light.
+fn of_albedo(table: &Table<'_>, albedo: &Item<'_>, g: f64, thickness: f64) -> Result<Layer, SceneError> {
+    if let Some(absorption) = table.get("absorption") {
+        let path = absorption.path();
+        return Err(absorption.error(format!("{path} belongs to scattering, not to surface_albedo")));
+    }
+    let refused = |error: translucid_profile::ParameterError| table.error(error.to_string());
+    let inversion = AlbedoInversion::new(g, 1.0, Configuration::Diffuse).map_err(refused)?;
+    let albedo = albedo.double(Interval::above(0.0, 1.0))?;
+    let mfp = table.require("mfp")?.double(LENGTH)?;
+    Layer::from_surface_albedo(&inversion, albedo, mfp, Parameterization::Mfp, thickness).map_err(refused)
+}
+
+fn read_moments(item: &Item<'_>) -> Result<Vec<f64>, SceneError> {
+    let Content::List(list) = item.content() else { return Err(item.mismatch("an array of numbers")) };
+    if list.len() > MOST_MOMENTS {
+        return Err(item.error(format!(
+            "{} has {} values, but at most 10000 are allowed",
+            item.path(),
+            list.len()
+        )));
+    }
+    let number = |value: &translucid_scene::description::Value| match value.content {
+        Content::Integer(n) => Ok(n as f64),
+        Content::Float(x) => Ok(x),
+        _ => Err(item.mismatch("an array of numbers")),
+    };
+    list.iter().map(number).collect()
+}
+
+fn read_ground(item: &Item<'_>) -> Result<Ground, SceneError> {
+    let table = item.table()?.allow(&["eta", "reflectance"])?;
+    match (table.get("eta"), table.get("reflectance")) {
+        (Some(eta), None) => Ok(Ground::Medium { eta: eta.double(ETA)? }),
+        (None, Some(reflectance)) => {
+            Ok(Ground::Lambertian { reflectance: reflectance.double(Interval::UNIT)? })
+        }
+        _ => {
+            Err(table
+                .error("below needs one of the keys eta, of a clear medium, and reflectance, of a ground"))
+        }
+    }
+}

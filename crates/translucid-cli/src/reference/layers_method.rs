@@ -1,0 +1,70 @@
+//! `translucid reference --layers`.
+
+use std::path::Path;
+
+use translucid_laboratory::Cell;
+use translucid_reference::Incidence;
+use translucid_reference::layers::{Layers, LayersProfile};
+
+use super::layers_file::read_layers;
+use super::{Method, ReferenceArguments};
+use crate::failure::Failure;
+use crate::table::exact;
+
+const PROFILE_COLUMNS: [&str; 5] =
+    ["r", "reflectance", "reflectance_error", "transmittance", "transmittance_error"];
+const TOTAL_COLUMNS: [&str; 3] = ["part", "value", "error"];
+
+/// Prints profiles at radii, or totals.
+pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Failure> {
+    if arguments.method == Method::MonteCarlo {
+        return Err(Failure::input("--method is monte-carlo, but --layers are solved by the exact method"));
+    }
+    arguments.walk.refuse_all()?;
+    arguments.table.spare(std::iter::once(file))?;
+    let incidence = arguments.incidence()?;
+    let layers = read_layers(file)?;
+    if arguments.radii.count() == 0 {
+        return print_totals(arguments, &layers, incidence);
+    }
+    if incidence != Incidence::NORMAL {
+        return Err(Failure::input("profiles of layers are those of a searchlight along the normal")
+            .with_help("leave the radii out for totals under any light"));
+    }
+    drop(arguments.radii.iter()?);
+    let profile = layers.profile().map_err(|error| {
+        Failure::input(format!("{} has no exact profile: {error}", file.display()))
+            .with_help("leave the radii out for its totals, which have no such limit")
+    })?;
+    let row = |r: f64| row(&profile, r);
+    arguments.table.write(PROFILE_COLUMNS, arguments.radii.iter()?.map(row))
+}
+
+fn row(profile: &LayersProfile, r: f64) -> [f64; 5] {
+    let (reflectance, transmittance) = (profile.reflectance(r), profile.transmittance(r));
+    [r, reflectance.value, reflectance.error, transmittance.value, transmittance.error]
+}
+
+fn print_totals(
+    arguments: &ReferenceArguments,
+    layers: &Layers,
+    incidence: Incidence,
+) -> Result<(), Failure> {
+    let totals = layers.totals(incidence).map_err(|error| {
+        let (parameter, value) = (error.parameter, exact(error.value));
+        Failure::input(format!("{parameter} is {value}, but must be {}", error.requirement()))
+    })?;
+    let mut parts = vec![
+        (String::from("specular_reflectance"), totals.specular_reflectance),
+        (String::from("diffuse_reflectance"), totals.diffuse_reflectance),
+        (String::from("collimated_transmittance"), totals.collimated_transmittance),
+        (String::from("diffuse_transmittance"), totals.diffuse_transmittance),
+    ];
+    let absorbed = totals.absorbed.iter().enumerate();
+    parts.extend(absorbed.map(|(i, part)| (format!("absorbed_by_layer_{}", i + 1), *part)));
+    parts.push((String::from("absorbed_by_ground"), totals.absorbed_by_ground));
+    let rows = parts
+        .into_iter()
+        .map(|(part, value)| [Cell::Word(part), Cell::Number(value), Cell::Number(totals.error)]);
+    arguments.table.write_cells(TOTAL_COLUMNS, rows)
+}

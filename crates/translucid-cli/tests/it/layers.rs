@@ -1,0 +1,101 @@
+//! `translucid reference --layers`: files of plane layers, their totals and profiles.
+
+use crate::common::{run, stderr, stdout};
+use translucid_reference::Incidence;
+use translucid_reference::layers::{Ground, Layer, Layers};
+
+const PAINT: &str = "\
+[[layer]]
+thickness = 0.1
+scattering = 20
+absorption = 0.5
+
+[[layer]]
+thickness = 0.5
+scattering = 2.0
+absorption = 0.5
+";
+
+fn paint(g: f64) -> Layers {
+    let layers = vec![Layer::new(20.0, 0.5, 0.1).with_g(g), Layer::new(2.0, 0.5, 0.5)];
+    Layers::new(1.0, layers, Ground::AIR).unwrap()
+}
+
+fn directory_with(text: &str) -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("layers.toml"), text).unwrap();
+    directory
+}
+
+#[test]
+fn totals_are_those_of_the_library() {
+    let directory = directory_with(&PAINT.replacen("absorption", "g = 0.5\nabsorption", 1));
+    let oblique = Incidence::Pencil { cos_theta: 60f64.to_radians().cos() };
+    for (options, incidence) in [
+        ("", Incidence::NORMAL),
+        ("--configuration diffuse", Incidence::Cosine),
+        ("--incidence-angle 60", oblique),
+    ] {
+        let csv = stdout(directory.path(), &format!("reference --layers layers.toml {options}"));
+        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(rows[0], ["part", "value", "error"]);
+        let value =
+            |part: &str| -> f64 { rows.iter().find(|row| row[0] == part).unwrap()[1].parse().unwrap() };
+        let totals = paint(0.5).totals(incidence).unwrap();
+        assert_eq!(value("diffuse_reflectance"), totals.diffuse_reflectance);
+        assert_eq!(value("collimated_transmittance"), totals.collimated_transmittance);
+        assert_eq!(value("absorbed_by_layer_2"), totals.absorbed[1]);
+        let sum: f64 = rows.iter().skip(1).map(|row| row[1].parse::<f64>().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{csv}");
+    }
+}
+
+#[test]
+fn profile_is_that_of_the_library() {
+    let directory = directory_with(PAINT);
+    let csv = stdout(directory.path(), "reference --layers layers.toml --at 0.1");
+    let row: Vec<f64> = csv.lines().nth(1).unwrap().split(',').map(|word| word.parse().unwrap()).collect();
+    let profile = paint(0.0).profile().unwrap();
+    let [reflectance, transmittance] = [profile.reflectance(0.1), profile.transmittance(0.1)];
+    let expected = [0.1, reflectance.value, reflectance.error, transmittance.value, transmittance.error];
+    assert_eq!(row, expected);
+}
+
+/// A fault of the file or the command, with what its message must have.
+#[test]
+fn faults_are_named() {
+    let layer = "[[layer]]\nscattering = 1\nabsorption = 0.1\n";
+    for (text, options, expected) in [
+        ("", "", "number of layers is 0, but must be in [1, 1000]"),
+        ("[[layer]]\nthicknes = 1\n", "", "layer[0] has no key thicknes"),
+        (
+            "[[layer]]\nthickness = 1\n",
+            "",
+            "layer[0] needs scattering and absorption, or surface_albedo and mfp",
+        ),
+        (&format!("{layer}thickness = 0\n"), "", "layer[0].thickness is 0, but must be in (0, 1e100]"),
+        (&format!("{layer}g = 1\n"), "", "layer[0].g is 1, but must be in (-1, 1)"),
+        (&format!("{layer}g = 0.5\nmoments = [0.5]\n"), "", "beside g, but one of them is enough"),
+        (
+            &format!("{layer}{layer}"),
+            "",
+            "layer[0]: thickness is inf, but must be finite but in the last layer",
+        ),
+        (&format!("{layer}[below]\neta = 1\n"), "", "thickness is inf, but must be finite above a ground"),
+        (&format!("{layer}thickness = 1\n[below]\n"), "", "below needs one of the keys"),
+        (layer, "--method monte-carlo", "--method is monte-carlo"),
+        (layer, "--eta 1.4", "cannot be used with '--eta"),
+        (layer, "--photons 1e6", "--photons"),
+        (layer, "--configuration diffuse --at 1", "profiles of layers are those of a searchlight"),
+        (&format!("{layer}g = 0.5\n"), "--at 1", "layer 1: g is 0.5, but must be 0 for a profile"),
+        (&format!("{layer}eta = 1.4\n"), "--at 1", "eta is 1.4"),
+        (layer, "-o layers.toml", "a file that is read"),
+        ("[[layer]\n", "", "this is not valid TOML"),
+    ] {
+        let directory = directory_with(text);
+        let output = run(directory.path(), &format!("reference --layers layers.toml {options}"));
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text} {options}: {message}");
+        assert!(message.contains(expected), "{text} {options}: {message}");
+    }
+}

@@ -1,0 +1,233 @@
+//! What judges the profiles: the exact half space, equal layers, totals, and a slow walk in layers.
+
+use std::f64::consts::PI;
+
+use translucid_testing::is_thorough;
+
+use super::super::Layer;
+use super::*;
+use crate::Incidence;
+use crate::exact::HalfSpace;
+use crate::split_mix::SplitMix;
+
+fn profile(layers: Vec<Layer>, ground: Ground) -> LayersProfile {
+    Layers::new(1.0, layers, ground).expect("valid").profile().expect("solvable")
+}
+
+const RADII: [f64; 11] = [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
+
+#[test]
+fn half_space_has_the_exact_profile() {
+    for alpha in [0.3, 0.9, 0.999, 1.0] {
+        // In another unit of length
+        let layer = Layer::new(5.0 * alpha, 5.0 * (1.0 - alpha), f64::INFINITY);
+        let profile = profile(vec![layer], Ground::None);
+        let exact = HalfSpace::new(alpha, Incidence::NORMAL).unwrap();
+        for r in RADII {
+            let (found, expected) = (profile.reflectance(r / 5.0), 25.0 * exact.eval(r).value);
+            let off = (found.value / expected - 1.0).abs();
+            // Far out without absorption less is known, and said so
+            let allowed = if r > 30.0 { 3e-3 } else { 1e-4 };
+            assert!(off < allowed, "{alpha} {r}: {found:?} {expected} {off:e}");
+            assert!(off < found.relative_error(), "{alpha} {r}: {found:?} {expected} {off:e}");
+        }
+    }
+}
+
+#[test]
+fn equal_layers_are_one() {
+    let part = |thickness: f64| Layer::new(2.0, 0.1, thickness);
+    for ground in [Ground::AIR, Ground::Lambertian { reflectance: 0.6 }] {
+        let one = profile(vec![part(1.0)], ground);
+        let parts = profile(vec![part(0.1), part(0.55), part(0.35)], ground);
+        for r in RADII.iter().take(9) {
+            for function in [LayersProfile::reflectance, LayersProfile::transmittance] {
+                let [one, parts] = [&one, &parts].map(|profile| function(profile, *r));
+                let off = (one.value - parts.value).abs();
+                assert!(off <= one.error + parts.error, "{r}: {one:?} {parts:?}");
+                assert!(off <= 1e-4 * one.value, "{r}: {one:?} {parts:?}");
+            }
+        }
+    }
+    let thick = profile(vec![Layer::new(0.9, 0.1, 40.0)], Ground::BLACK);
+    let endless = profile(vec![Layer::new(0.9, 0.1, f64::INFINITY)], Ground::None);
+    for r in RADII.iter().take(9) {
+        let [thick, endless] = [&thick, &endless].map(|profile| profile.reflectance(*r).value);
+        assert!((thick / endless - 1.0).abs() < 1e-4, "{r}: {thick} {endless}");
+    }
+}
+
+/// Stacks of unequal layers: a thin dense one, a clear and an absorbing one between, a weak one below.
+fn stacks() -> [(Vec<Layer>, Ground); 4] {
+    let [dense, weak] = [Layer::new(4.0, 0.02, 0.2), Layer::new(0.8, 0.1, 1.5)];
+    [
+        (vec![dense.clone(), weak.clone()], Ground::AIR),
+        (
+            vec![dense.clone(), Layer::new(0.0, 0.0, 0.3), weak.clone()],
+            Ground::Lambertian { reflectance: 0.8 },
+        ),
+        (vec![weak.clone(), Layer::new(0.0, 0.5, 0.2), dense.clone()], Ground::BLACK),
+        (vec![dense, Layer { thickness: f64::INFINITY, ..weak }], Ground::None),
+    ]
+}
+
+/// ∫ R 2πr dr, by radii evenly spaced in ln r.
+#[test]
+fn profiles_have_the_totals() {
+    for (layers, ground) in stacks() {
+        let layers = Layers::new(1.0, layers, ground).unwrap();
+        let (profile, totals) = (layers.profile().unwrap(), layers.totals(Incidence::NORMAL).unwrap());
+        let step = 0.1;
+        let sum = |function: fn(&LayersProfile, f64) -> Estimate| -> f64 {
+            let ring = |i: i32| {
+                let r = (step * f64::from(i)).exp();
+                2.0 * PI * r * r * step * function(&profile, r).value
+            };
+            (-160..60).map(ring).sum()
+        };
+        for (sum, total) in [
+            (sum(LayersProfile::reflectance), totals.diffuse_reflectance),
+            (sum(LayersProfile::transmittance), totals.diffuse_transmittance),
+        ] {
+            assert!((sum - total).abs() < 2e-6, "{ground:?}: {sum} {total}");
+        }
+    }
+}
+
+/// Photons one by one; rings of radii at which they leave, above and below.
+struct SlowWalk<'a> {
+    layers: &'a Layers,
+    /// Depths of the faces.
+    faces: Vec<f64>,
+}
+
+impl SlowWalk<'_> {
+    /// Returns the side and radius of the exit of a scattered photon.
+    fn photon(&self, random: &mut SplitMix) -> Option<(usize, f64)> {
+        let ([mut x, mut y, mut z], mut direction) = ([0.0; 3], [0.0, 0.0, 1.0]);
+        let (mut layer, mut scattered) = (0, false);
+        let mut depth = -(1.0 - random.uniform()).ln();
+        loop {
+            let medium = &self.layers.layers()[layer];
+            let down = direction[2] > 0.0;
+            let face = if down { self.faces[layer + 1] } else { self.faces[layer] };
+            let to_face = (face - z) / direction[2];
+            let to_collision = depth / medium.extinction();
+            let way = to_face.min(to_collision);
+            x += way * direction[0];
+            y += way * direction[1];
+            if to_collision < to_face {
+                z += way * direction[2];
+                if random.uniform() * medium.extinction() > medium.scattering {
+                    return None;
+                }
+                (scattered, direction) = (true, isotropic(random));
+                depth = -(1.0 - random.uniform()).ln();
+                continue;
+            }
+            z = face;
+            depth -= way * medium.extinction();
+            if down && layer + 1 == self.layers.layers().len() {
+                let Ground::Lambertian { reflectance } = self.layers.ground() else {
+                    return scattered.then_some((1, x.hypot(y)));
+                };
+                if random.uniform() > reflectance {
+                    return None;
+                }
+                let (cosine, angle) = (random.uniform().sqrt(), 2.0 * PI * random.uniform());
+                let sine = (1.0 - cosine * cosine).sqrt();
+                (scattered, direction) = (true, [sine * angle.cos(), sine * angle.sin(), -cosine]);
+            } else if !down && layer == 0 {
+                return scattered.then_some((0, x.hypot(y)));
+            } else {
+                layer = if down { layer + 1 } else { layer - 1 };
+            }
+        }
+    }
+}
+
+fn isotropic(random: &mut SplitMix) -> [f64; 3] {
+    let (cosine, angle) = (2.0 * random.uniform() - 1.0, 2.0 * PI * random.uniform());
+    let sine = (1.0 - cosine * cosine).sqrt();
+    [sine * angle.cos(), sine * angle.sin(), cosine]
+}
+
+/// Counts in rings, each within 5 standard errors: once in 10⁵ runs one of the 56 is farther off by chance.
+#[test]
+fn layers_are_those_of_a_slow_walk() {
+    let photons = if is_thorough() { 20_000_000 } else { 1_000_000 };
+    let ends = [0.0, 0.02, 0.05, 0.15, 0.4, 0.8, 1.5, 3.0];
+    for (layers, ground) in stacks() {
+        let layers = Layers::new(1.0, layers, ground).unwrap();
+        let mut faces = vec![0.0];
+        for layer in layers.layers() {
+            faces.push(faces[faces.len() - 1] + layer.thickness);
+        }
+        let walk = SlowWalk { layers: &layers, faces };
+        let mut random = SplitMix::of_photon(7, 0);
+        let mut counts = [[0.0; 7]; 2];
+        for _ in 0..photons {
+            if let Some((side, r)) = walk.photon(&mut random)
+                && r < 3.0
+            {
+                counts[side][ends.partition_point(|end| *end <= r) - 1] += 1.0;
+            }
+        }
+        let profile = layers.profile().unwrap();
+        for (side, function) in [LayersProfile::reflectance, LayersProfile::transmittance].iter().enumerate()
+        {
+            for (ring, end) in ends.windows(2).enumerate() {
+                let rule = translucid_profile::quadrature::gauss_legendre(12);
+                let expected = translucid_profile::quadrature::integrate(&rule, end[0], end[1], |r| {
+                    2.0 * PI * r * function(&profile, r).value
+                });
+                let found = counts[side][ring] / f64::from(photons);
+                let error = (expected * (1.0 - expected) / f64::from(photons)).sqrt();
+                let off = (found - expected).abs();
+                assert!(
+                    off <= 5.0 * error + 1e-12,
+                    "{ground:?} {side} {end:?}: {found} {expected} ± {error}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn profiles_that_are_not_solved_are_refused() {
+    let refused = |layers: Vec<Layer>, ground| {
+        Layers::new(1.0, layers, ground).unwrap().profile().unwrap_err().to_string()
+    };
+    let plain = Layer::new(1.0, 0.1, 1.0);
+    assert_eq!(
+        refused(vec![plain.clone(), plain.clone().with_g(0.8)], Ground::AIR),
+        "layer 2: g is 0.8, but must be 0 for a profile: only totals know other phase functions"
+    );
+    assert_eq!(
+        refused(vec![plain.clone().with_eta(1.4)], Ground::AIR),
+        "layer 1: eta is 1.4, but must be for a profile that of the medium above, 1"
+    );
+    assert!(refused(vec![plain.clone()], Ground::Medium { eta: 1.4 }).contains("eta below is 1.4"));
+    assert!(refused(vec![plain; 100], Ground::AIR).contains("number of depths that the layers need is"));
+}
+
+#[test]
+fn extremes_give_numbers() {
+    for (layers, ground) in [
+        (vec![Layer::new(0.0, 0.0, 1.0)], Ground::AIR),
+        (vec![Layer::new(0.0, 1.0, 1.0)], Ground::Lambertian { reflectance: 1.0 }),
+        (vec![Layer::new(1.0, 0.0, 1e6)], Ground::AIR),
+        (vec![Layer::new(1e-6, 0.0, 1e-3), Layer::new(1e3, 1.0, 10.0)], Ground::BLACK),
+    ] {
+        let profile = profile(layers, ground);
+        for r in [f64::NAN, -1.0, 0.0, 1e-300, 1e-9, 1.0, 1e9, f64::INFINITY] {
+            for function in [LayersProfile::reflectance, LayersProfile::transmittance] {
+                let Estimate { value, error } = function(&profile, r);
+                assert!(
+                    value >= 0.0 && value.is_finite() && error >= 0.0 && error.is_finite(),
+                    "{ground:?} {r}"
+                );
+            }
+        }
+    }
+}
