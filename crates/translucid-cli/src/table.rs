@@ -39,6 +39,11 @@ impl TableArguments {
         self.output.as_deref().filter(is_npz)
     }
 
+    /// The file, if the table is not for stdout.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_files::check_writable(path)?))

@@ -7,6 +7,7 @@
 //! - [`walk`]: a Monte Carlo walk for everything else (phase functions, slabs, spots of light), whose figures
 //!   carry a standard error, and whose tables serve every albedo at once.
 //! - [`layers`]: plane layers of different media on a ground.
+//! - [`mcml`]: the files of another walk through layers, MCML.
 //! - [`body`]: the same, photon by photon, in things that are no half space: sphere, slab and wedge.
 //!
 //! # Conventions
@@ -28,6 +29,7 @@ mod estimate;
 pub mod exact;
 mod incidence;
 pub mod layers;
+pub mod mcml;
 mod ray;
 mod split_mix;
 pub mod walk;

@@ -7,23 +7,23 @@ use translucid_reference::Incidence;
 use translucid_reference::layers::{Layers, LayersProfile};
 
 use super::layers_file::read_layers;
+use super::layers_walk::{TOTAL_COLUMNS, print_walked_totals};
 use super::{Method, ReferenceArguments};
 use crate::failure::Failure;
 use crate::table::exact;
 
 const PROFILE_COLUMNS: [&str; 5] =
     ["r", "reflectance", "reflectance_error", "transmittance", "transmittance_error"];
-const TOTAL_COLUMNS: [&str; 3] = ["part", "value", "error"];
 
 /// Prints profiles at radii, or totals.
 pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Failure> {
-    if arguments.method == Method::MonteCarlo {
-        return Err(Failure::input("--method is monte-carlo, but --layers are solved by the exact method"));
-    }
-    arguments.walk.refuse_all()?;
     arguments.table.spare(std::iter::once(file))?;
     let incidence = arguments.incidence()?;
     let layers = read_layers(file)?;
+    if arguments.method == Some(Method::MonteCarlo) {
+        return print_walked_totals(arguments, file, &layers, incidence);
+    }
+    arguments.walk.refuse_all()?;
     if arguments.radii.count() == 0 {
         return print_totals(arguments, &layers, incidence);
     }

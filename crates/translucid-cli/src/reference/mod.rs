@@ -3,6 +3,8 @@
 mod exact_method;
 mod layers_file;
 mod layers_method;
+mod layers_walk;
+mod mci_method;
 mod merging;
 mod photons;
 mod walk_method;
@@ -37,11 +39,16 @@ R grows like 1/r towards r = 0, where the exact method prints a huge finite numb
 
 --layers solves plane layers that a file states, per unit of flux that arrives from above, what their faces reflect
 included. Without radii it prints totals: what is reflected (specular: never scattered), transmitted, and absorbed by each
-layer. With radii it prints R(r) and T(r) of a searchlight, scattered light only, with their errors.
+layer. With radii it prints R(r) and T(r) of a searchlight, scattered light only, with their errors. A walk prints totals,
+with what is reflected in one sum.
 
 One walk serves all albedos of the list. --table keeps its photons in a file, which --resume continues and --merge
 joins to others; no photon counts twice. With --photons A..B many machines share a walk: their tables, merged in
 any order, are bit for bit the table of one run.
+
+--layers FILE.mci walks the photons of every run of an .mci file (MCML 1.2, lengths in cm). Each run's .mco file is written
+beside it, under the name that the run gives; -o FILE.mco names that of a file with one run, -o FILE.csv makes a table
+with standard errors of all runs. --seed and --threads are the walk's.
 
 Examples:
   translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
@@ -51,15 +58,16 @@ Examples:
   translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
   translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume
-  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons 1e9..2e9 -o part-1.npz";
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons 1e9..2e9 -o part-1.npz
+  translucid reference --layers skin.mci";
 
 /// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, group(ArgGroup::new("albedos").required(true)))]
 pub(crate) struct ReferenceArguments {
-    /// How to find the truth
-    #[arg(long, value_enum, default_value_t = Method::Exact)]
-    method: Method,
+    /// How to find the truth [default: exact, but monte-carlo for --layers FILE.mci]
+    #[arg(long, value_enum)]
+    method: Option<Method>,
     /// How light enters the medium [default: diffuse, but searchlight with --incidence-angle or --layers]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
@@ -81,10 +89,11 @@ pub(crate) struct ReferenceArguments {
         group = "albedos"
     )]
     surface_albedo: Vec<f64>,
-    /// File of plane layers (.toml) to solve in place of one medium; without radii its totals are printed
+    /// File of plane layers in place of one medium: .toml, whose totals are printed where there are no radii, or MCML's .mci,
+    /// whose runs are walked
     #[arg(
         long,
-        value_name = "FILE.toml",
+        value_name = "FILE",
         group = "albedos",
         conflicts_with_all = ["mfp", "g", "phase_function", "eta", "azimuth", "thickness", "side", "spot_radius"]
     )]
@@ -155,11 +164,13 @@ const COLUMNS: [&str; 6] =
 /// Runs the verb.
 pub(crate) fn run(arguments: &ReferenceArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.layers {
-        return machine::threads(arguments.walk.threads)?.install(|| layers_method::run(arguments, file));
+        let is_mci = file.extension().is_some_and(|found| found.eq_ignore_ascii_case("mci"));
+        let run = if is_mci { mci_method::run } else { layers_method::run };
+        return machine::threads(arguments.walk.threads)?.install(|| run(arguments, file));
     }
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
-    machine::threads(arguments.walk.threads)?.install(|| match arguments.method {
+    machine::threads(arguments.walk.threads)?.install(|| match arguments.method.unwrap_or(Method::Exact) {
         Method::Exact => exact_method::run(arguments, &problem),
         Method::MonteCarlo => walk_method::run(arguments, &problem),
     })

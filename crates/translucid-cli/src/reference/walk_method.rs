@@ -61,15 +61,7 @@ pub(super) struct WalkArguments {
 impl WalkArguments {
     /// Refuses all of them, where there is no walk.
     pub(super) fn refuse_all(&self) -> Result<(), Failure> {
-        let given = [
-            ("--photons", self.photons.is_some()),
-            ("--error", self.error.is_some()),
-            ("--table", self.table_file.is_some()),
-            ("--resume", self.resume),
-            ("--merge", !self.merge.is_empty()),
-            ("--seed", self.seed.is_some()),
-        ];
-        match given.iter().find(|(_, given)| *given) {
+        match self.given().find(|(_, given)| *given) {
             Some((option, _)) => {
                 Err(Failure::input(format!("{option} belongs to the walk, and the exact method has none"))
                     .with_help("leave it out, or use --method monte-carlo"))
@@ -78,7 +70,39 @@ impl WalkArguments {
         }
     }
 
-    fn seed(&self) -> u64 {
+    /// Refuses those that a walk through layers has not: all but the seed and, where nothing else states it, the number of
+    /// photons.
+    pub(super) fn refuse_for_layers(&self, takes_photons: bool) -> Result<(), Failure> {
+        let is_taken = |option| option == "--seed" || (option == "--photons" && takes_photons);
+        match self.given().find(|(option, given)| *given && !is_taken(*option)) {
+            Some((option, _)) => Err(Failure::input(format!("{option} is not for these layers"))
+                .with_help("leave it out: --seed and --threads are for walks through layers, and --photons N for .toml files")),
+            None => Ok(()),
+        }
+    }
+
+    fn given(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        [
+            ("--photons", self.photons.is_some()),
+            ("--error", self.error.is_some()),
+            ("--table", self.table_file.is_some()),
+            ("--resume", self.resume),
+            ("--merge", !self.merge.is_empty()),
+            ("--seed", self.seed.is_some()),
+        ]
+        .into_iter()
+    }
+
+    /// Number of photons, where it is a number and no range.
+    pub(super) fn count(&self) -> Option<u64> {
+        match self.photons {
+            None => Some(DEFAULT_PHOTONS),
+            Some(Photons::Count(count)) => Some(count),
+            Some(Photons::Range(_)) => None,
+        }
+    }
+
+    pub(super) fn seed(&self) -> u64 {
         self.seed.unwrap_or(0)
     }
 }

@@ -83,7 +83,10 @@ fn faults_are_named() {
         ),
         (&format!("{layer}[below]\neta = 1\n"), "", "thickness is inf, but must be finite above a ground"),
         (&format!("{layer}thickness = 1\n[below]\n"), "", "below needs one of the keys"),
-        (layer, "--method monte-carlo", "--method is monte-carlo"),
+        (layer, "--method monte-carlo --at 1", "prints totals"),
+        (layer, "--method monte-carlo --photons 0..9", "is a range"),
+        (layer, "--method monte-carlo --photons 0", "photons is 0"),
+        (layer, "--method monte-carlo --error 0.1", "--error is not for these layers"),
         (layer, "--eta 1.4", "cannot be used with '--eta"),
         (layer, "--photons 1e6", "--photons"),
         (layer, "--configuration diffuse --at 1", "profiles of layers are those of a searchlight"),
@@ -97,5 +100,25 @@ fn faults_are_named() {
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{text} {options}: {message}");
         assert!(message.contains(expected), "{text} {options}: {message}");
+    }
+}
+
+/// |z| < 5 of 4 figures, in Student's distribution: false-alarm rate 2e-5.
+#[test]
+fn walk_prints_the_totals_too() {
+    let directory = directory_with(&PAINT.replacen("absorption", "g = 0.5\nabsorption", 1));
+    let options = "--configuration diffuse --method monte-carlo --photons 1e5 --seed 2";
+    let csv = stdout(directory.path(), &format!("reference --layers layers.toml {options}"));
+    let totals = paint(0.5).totals(Incidence::Cosine).unwrap();
+    for (part, expected) in [
+        ("reflectance", totals.specular_reflectance + totals.diffuse_reflectance),
+        ("transmittance", totals.collimated_transmittance + totals.diffuse_transmittance),
+        ("absorbed_by_layer_1", totals.absorbed[0]),
+        ("absorbed_by_layer_2", totals.absorbed[1]),
+    ] {
+        let row: Vec<&str> =
+            csv.lines().map(|line| line.split(',').collect::<Vec<_>>()).find(|row| row[0] == part).unwrap();
+        let [value, error] = [row[1], row[2]].map(|word| word.parse::<f64>().unwrap());
+        assert!((value - expected).abs() < 5.0 * error, "{part}: {value} ± {error}, expected {expected}");
     }
 }

@@ -344,3 +344,114 @@ fn ranges_of_photons_make_the_table_of_one_run() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(files(path), ["a.npz", "all.npz", "b.npz", "whole.npz"]);
 }
+
+const RUN: &str = "1\n1\nskin.mco A\n20000\n0.1 0.1\n5 4 3\n1\n1\n1.4 1 10 0.8 0.5\n1\n";
+
+/// A folder with a file of MCML's.
+fn folder_with(text: &str) -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("in.mci"), text).unwrap();
+    directory
+}
+
+/// The figures of the runs are those of the library, in an .mco file for each run, in one of another name, and in a table.
+#[test]
+fn layers_of_mcml_become_its_output() {
+    use translucid_reference::mcml::parse_mci;
+    use translucid_reference::walk::Control;
+
+    let second = RUN.split_once("1\n1\n").unwrap().1.replace("skin", "tooth").replace("1.4 1", "1.6 3");
+    let two = format!("1\n2\n{}{second}", RUN.split_once("1\n1\n").unwrap().1);
+    let directory = folder_with(&two.replace('\n', "\r\n"));
+    let path = directory.path();
+    assert_eq!(stdout(path, "reference --layers in.mci --seed 5"), "");
+    assert_eq!(files(path), ["in.mci", "skin.mco", "tooth.mco"]);
+    let mut rows = 0;
+    for run in parse_mci(two.as_bytes()).unwrap() {
+        let result = run.walk(5, &Control::default()).unwrap();
+        let text = std::fs::read_to_string(path.join(&run.output)).unwrap();
+        assert_eq!(text, result.text());
+        rows += 1 + result.figures().count();
+    }
+
+    let one = folder_with(RUN);
+    stdout(one.path(), "reference --layers in.mci --seed 5 --threads 1 -o other.mco");
+    assert_eq!(files(one.path()), ["in.mci", "other.mco"]);
+    let [a, b] =
+        [one.path().join("other.mco"), path.join("skin.mco")].map(|path| std::fs::read(path).unwrap());
+    assert_eq!(a, b);
+
+    stdout(path, "reference --layers in.mci --seed 5 --method monte-carlo -o all.csv");
+    let table = std::fs::read_to_string(path.join("all.csv")).unwrap();
+    assert_eq!(table.lines().next(), Some("run,quantity,layer,r,z,angle,value,standard_error"));
+    assert_eq!(table.lines().count(), 1 + rows);
+    assert!(table.contains("tooth.mco,Rd_ra,,"), "{table}");
+}
+
+/// Every wrong file and option: exit code 2, the message names what is in brackets, and no file is there that was not.
+#[test]
+fn layers_that_cannot_be_walked_are_refused() {
+    let named = |name: &str| RUN.replace("skin.mco", name);
+    for (text, options, message) in [
+        (RUN.replace("0.8 0.5", "0.8 -1"), "", "in.mci:9"),
+        (RUN.replace("0.8 0.5", "0.8"), "", "but must have 5"),
+        (named("../skin.mco"), "", "in that of the .mci file"),
+        (named("/tmp/skin.mco"), "", "in that of the .mci file"),
+        (named("a\\skin.mco"), "", "in that of the .mci file"),
+        (named(".."), "", "in that of the .mci file"),
+        (named("in.mci"), "", "would be overwritten"),
+        (named("thesis.tex"), "", "would be overwritten"),
+        (RUN.to_owned(), "-o in.mci", "is the file that is read"),
+        (RUN.to_owned(), "-o missing/skin.mco", "missing"),
+        (RUN.to_owned(), "--method exact", "asks for photons"),
+        (RUN.to_owned(), "--g 0.5", "--g"),
+        (RUN.to_owned(), "--at 1", "--at"),
+        (RUN.to_owned(), "--photons 100", "--photons"),
+        (RUN.to_owned(), "--surface-albedo 0.5", "--surface-albedo"),
+        (RUN.replace("1 10 0.8 0.5", "0.1 0.1 0.8 1e-12"), "", "in.mci:3"),
+    ] {
+        let directory = folder_with(&text);
+        std::fs::write(directory.path().join("thesis.tex"), "years").unwrap();
+        let output = run(directory.path(), &format!("reference --layers in.mci {options}"));
+        let found = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{options} {text}: {found}");
+        assert!(found.contains(message), "{options} {text}: {found}");
+        assert_eq!(files(directory.path()), ["in.mci", "thesis.tex"]);
+    }
+    let two = RUN.replacen("1\n1\n", "1\n2\n", 1) + &named("other.mco")[4..];
+    let output = run(folder_with(&two).path(), "reference --layers in.mci -o one.mco");
+    assert!(stderr(&output).contains("has 2 runs"), "{}", stderr(&output));
+    let output = run(&here(), "reference --layers none.mci");
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("none.mci"), "{}", stderr(&output));
+}
+
+#[test]
+fn layers_warn_of_what_is_not_as_in_the_file() {
+    let directory = folder_with(&RUN.replace("mco A", "mco B"));
+    let output = run(directory.path(), "reference --layers in.mci");
+    assert!(output.status.success() && stderr(&output).contains("written as text"), "{}", stderr(&output));
+    let white = RUN.replace("20000", "1000").replace("1.4 1 10 0.8 0.5", "1.4 0 10 0.8 1e8");
+    let directory = folder_with(&white);
+    let output = run(directory.path(), "reference --layers in.mci");
+    assert!(output.status.success() && stderr(&output).contains("given up"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_layers_keep_whole_batches() {
+    use std::process::{Command, Stdio};
+
+    // A batch of the first run takes less than the wait, the run does not
+    let directory = folder_with(&RUN.replace("20000", "100000000"));
+    let mut command = translucid(directory.path());
+    let child = command.args(["reference", "--layers", "in.mci"]).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    if let Ok(text) = std::fs::read_to_string(directory.path().join("skin.mco")) {
+        let photons = text.lines().find(|line| line.contains("number of photons")).unwrap();
+        let photons: u64 = photons.split_whitespace().next().unwrap().parse().unwrap();
+        assert!(photons > 0 && photons < 100_000_000 && photons.is_multiple_of(1_562_500), "{photons}");
+    }
+}

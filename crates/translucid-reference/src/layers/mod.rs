@@ -13,10 +13,12 @@ mod operators;
 mod profile;
 mod rays;
 mod totals;
+mod walk;
 
 pub use layer::{Deflection, Layer};
 pub use profile::LayersProfile;
 pub use totals::Totals;
+pub use walk::{Grid, LayersTally, Quantity};
 
 use std::fmt;
 

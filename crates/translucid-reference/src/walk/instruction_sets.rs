@@ -34,7 +34,7 @@ macro_rules! dispatched {
     };
 }
 
-pub(super) use dispatched;
+pub(crate) use dispatched;
 
 /// The instruction sets of this machine but for its widest one, the narrowest last.
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! The Monte Carlo walk: photons through a half space or a slab.
 
 mod at_albedo;
-mod boundary;
-mod edge_search;
+pub(crate) mod boundary;
+pub(crate) mod edge_search;
 mod exit_buffer;
-mod instruction_sets;
-mod lanes;
+pub(crate) mod instruction_sets;
+pub(crate) mod lanes;
 mod layout;
 mod measure;
 mod npy;
@@ -13,15 +13,15 @@ mod npz;
 mod orders;
 mod photon_exit;
 mod photon_ranges;
-mod photon_source;
-mod photons;
+pub(crate) mod photon_source;
+pub(crate) mod photons;
 mod pilot;
 mod problem;
-mod random;
+pub(crate) mod random;
 mod run;
 mod run_until;
 mod scalar;
-mod scatter;
+pub(crate) mod scatter;
 mod table_error;
 mod table_file;
 mod trace;

@@ -11,29 +11,29 @@ use super::scatter::{Directions, Scatter};
 /// enough that the block stays in the first-level cache.
 const GROUPS: usize = 32;
 /// Photons in a block.
-pub(super) const BLOCK: usize = GROUPS * LANES;
+pub(crate) const BLOCK: usize = GROUPS * LANES;
 /// Places in a structure of photons: a vector may start at the last photon.
 const PLACES: usize = BLOCK + LANES;
 
 /// Photons that are about to collide, as a structure of arrays.
 #[repr(align(64))]
-pub(super) struct Photons {
+pub(crate) struct Photons {
     /// x, y and z, then the direction before the collision, unused where scattering forgets it.
     floats: [[f32; PLACES]; 6],
     /// Random stream, collisions that the photon will yet survive, and those that it will survive in all.
     words: [[u32; PLACES]; 6],
     /// Number of photons, from place 0 on.
-    pub(super) count: usize,
+    pub(crate) count: usize,
 }
 
 impl Photons {
-    pub(super) fn none() -> Box<Self> {
+    pub(crate) fn none() -> Box<Self> {
         Box::new(Self { floats: [[0.0; PLACES]; 6], words: [[0; PLACES]; 6], count: 0 })
     }
 
     /// Copies one photon; `to` and `from` are places in this and the other structure.
     #[inline(always)]
-    pub(super) fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
+    pub(crate) fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
         for (array, other) in self.floats.iter_mut().zip(&photons.floats) {
             array[to] = other[from];
         }
@@ -44,7 +44,7 @@ impl Photons {
 
     /// Copies one photon to another place.
     #[inline(always)]
-    pub(super) fn copy_within(&mut self, to: usize, from: usize) {
+    pub(crate) fn copy_within(&mut self, to: usize, from: usize) {
         self.floats.iter_mut().for_each(|array| array[to] = array[from]);
         self.words.iter_mut().for_each(|array| array[to] = array[from]);
     }
@@ -52,20 +52,20 @@ impl Photons {
 
 /// Sixteen photons in registers.
 #[derive(Clone, Copy)]
-pub(super) struct Group<S: Simd> {
-    pub(super) x: Floats<S>,
-    pub(super) y: Floats<S>,
-    pub(super) z: Floats<S>,
-    pub(super) directions: Directions<S>,
-    pub(super) streams: Stream<Words<S>>,
-    pub(super) left: Words<S>,
-    pub(super) budget: Words<S>,
+pub(crate) struct Group<S: Simd> {
+    pub(crate) x: Floats<S>,
+    pub(crate) y: Floats<S>,
+    pub(crate) z: Floats<S>,
+    pub(crate) directions: Directions<S>,
+    pub(crate) streams: Stream<Words<S>>,
+    pub(crate) left: Words<S>,
+    pub(crate) budget: Words<S>,
 }
 
 impl<S: Simd> Group<S> {
     /// Loads the photons from the place `first` on.
     #[inline(always)]
-    pub(super) fn load<P: Scatter>(simd: S, photons: &Photons, first: usize) -> Self {
+    pub(crate) fn load<P: Scatter>(simd: S, photons: &Photons, first: usize) -> Self {
         let places = first..first + LANES;
         let float = |i: usize| Floats::from_slice(simd, &photons.floats[i][places.clone()]);
         let word = |i: usize| Words::from_slice(simd, &photons.words[i][places.clone()]);
@@ -82,7 +82,7 @@ impl<S: Simd> Group<S> {
     }
 
     #[inline(always)]
-    pub(super) fn store<P: Scatter>(&self, photons: &mut Photons, first: usize) {
+    pub(crate) fn store<P: Scatter>(&self, photons: &mut Photons, first: usize) {
         let places = first..first + LANES;
         let Directions { x: ux, y: uy, z: uz } = self.directions;
         let floats = [self.x, self.y, self.z, ux, uy, uz];
@@ -119,19 +119,19 @@ impl<S: Simd> Group<S> {
 
     /// Moves the photons of a mask to the first lanes, in order.
     #[inline(always)]
-    pub(super) fn compress(&self, mask: mask32x16<S>) -> Self {
+    pub(crate) fn compress(&self, mask: mask32x16<S>) -> Self {
         self.map(self, |a, _| a.compress(mask), |a, _| a.compress(mask))
     }
 
     /// Puts the first of other photons, in order, into the lanes of a mask.
     #[inline(always)]
-    pub(super) fn refill(&self, fresh: &Self, mask: mask32x16<S>) -> Self {
+    pub(crate) fn refill(&self, fresh: &Self, mask: mask32x16<S>) -> Self {
         self.map(fresh, |a, b| b.expand_merge(mask, a), |a, b| b.expand_merge(mask, a))
     }
 
     /// Flies without regard to faces.
     #[inline(always)]
-    pub(super) fn fly(&mut self, simd: S) {
+    pub(crate) fn fly(&mut self, simd: S) {
         let flight = exponential(simd, self.streams.next());
         self.x = flight.fused_mul_add(self.directions.x, self.x);
         self.y = flight.fused_mul_add(self.directions.y, self.y);

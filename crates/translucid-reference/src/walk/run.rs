@@ -34,7 +34,7 @@ impl Default for Control<'_> {
 
 impl Control<'_> {
     /// Returns whether the run is to end now.
-    pub(super) fn stops(&self) -> bool {
+    pub(crate) fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 }

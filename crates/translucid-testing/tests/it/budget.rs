@@ -10,7 +10,7 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 19] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 7300),
+    ("translucid-cli", 7600),
     ("translucid-display", 100),
     ("translucid-export", 2600),
     ("translucid-files", 200),
@@ -21,7 +21,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 4700),
-    ("translucid-reference", 7050),
+    ("translucid-reference", 8350),
     ("translucid-render", 17070),
     ("translucid-scene", 3660),
     ("translucid-shapes", 2000),

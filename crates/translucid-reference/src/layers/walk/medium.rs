@@ -1,0 +1,150 @@
+//! Layers in single precision, as the kernel needs them.
+
+use fearless_simd::{Simd, mask32x16};
+use translucid_profile::{ParameterError, require};
+
+use super::grid::Grid;
+use crate::layers::{Deflection, Ground, Layers};
+use crate::walk::boundary::Interface;
+use crate::walk::lanes::Floats;
+use crate::walk::{PhaseFunction, Side};
+
+/// Free path in a layer without collisions, in units of the walk: beyond every face.
+const CLEAR: f32 = 1e30;
+
+/// A layer, its lengths in units of the walk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Medium {
+    /// Mean free path.
+    pub(super) mfp: f32,
+    /// Thickness.
+    pub(super) thickness: f32,
+    /// Depth of its top.
+    pub(super) top: f32,
+    /// Part of the light that a collision absorbs.
+    pub(super) absorbed: f32,
+    pub(super) phase_function: PhaseFunction,
+    pub(super) above: Face,
+    pub(super) below: Face,
+}
+
+impl Medium {
+    /// Returns whether light has no collisions in it.
+    pub(super) fn is_clear(&self) -> bool {
+        self.mfp >= CLEAR
+    }
+
+    /// Returns which cosines both faces reflect totally.
+    #[inline(always)]
+    pub(super) fn traps<S: Simd>(&self, mu: Floats<S>) -> mask32x16<S> {
+        self.above.interface.reflects_totally(mu) & self.below.interface.reflects_totally(mu)
+    }
+}
+
+/// A face of a layer, seen from inside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    pub(super) interface: Interface,
+    /// Index of refraction here over that beyond.
+    pub(super) eta: f32,
+    pub(super) beyond: Beyond,
+}
+
+/// Place that light gets to through a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Beyond {
+    Layer(usize),
+    Outside(Side),
+    /// A Lambertian ground of this reflectance.
+    Ground(f32),
+}
+
+impl Face {
+    fn new(here: f64, there: f64, beyond: Beyond) -> Self {
+        let eta = here / there;
+        Self { interface: Interface::new(eta), eta: eta as f32, beyond }
+    }
+
+    /// Returns whether all light gets through.
+    pub(super) fn is_matched(&self) -> bool {
+        self.eta == 1.0
+    }
+}
+
+/// The layers as the kernel needs them, and the unit of length of the walk.
+///
+/// # Errors
+/// A phase function is known by its moments alone, or lengths differ by more than single precision tells.
+pub(super) fn media(layers: &Layers) -> Result<(Vec<Medium>, f64), ParameterError> {
+    let list = layers.layers();
+    let strongest = list.iter().map(|layer| layer.extinction()).fold(0.0, f64::max);
+    let unit = if strongest > 0.0 { 1.0 / strongest } else { list[0].thickness };
+    let mut depth = 0.0;
+    let mut media = Vec::with_capacity(list.len());
+    for (i, layer) in list.iter().enumerate() {
+        let Deflection::Named(phase_function) = layer.deflection else {
+            let allowed = "those of a phase function with a name, for a walk";
+            return Err(ParameterError::new("moments", layer.deflection.moment(1), allowed));
+        };
+        let extinction = layer.extinction() * unit;
+        let is_known = extinction == 0.0 || extinction > 1e-12;
+        require(
+            is_known,
+            "extinction",
+            layer.extinction(),
+            "0 or more than 1e-12 of the greatest, for a walk",
+        )?;
+        let thickness = layer.thickness / unit;
+        let is_thick = thickness > 1e-12;
+        require(
+            is_thick,
+            "thickness",
+            layer.thickness,
+            "more than 1e-12 of the shortest mean free path, for a walk",
+        )?;
+        let above = match i {
+            0 => Face::new(layer.eta, layers.eta_above(), Beyond::Outside(Side::Reflected)),
+            _ => Face::new(layer.eta, list[i - 1].eta, Beyond::Layer(i - 1)),
+        };
+        let below = match (list.get(i + 1), layers.ground()) {
+            (Some(next), _) => Face::new(layer.eta, next.eta, Beyond::Layer(i + 1)),
+            (None, Ground::Medium { eta }) => Face::new(layer.eta, eta, Beyond::Outside(Side::Transmitted)),
+            (None, Ground::Lambertian { reflectance }) => {
+                Face::new(1.0, 1.0, Beyond::Ground(reflectance as f32))
+            }
+            (None, Ground::None) => Face::new(1.0, 1.0, Beyond::Ground(0.0)),
+        };
+        media.push(Medium {
+            mfp: if extinction > 0.0 { (1.0 / extinction) as f32 } else { CLEAR },
+            thickness: thickness.min(f64::from(CLEAR)) as f32,
+            top: depth as f32,
+            absorbed: if extinction > 0.0 { (layer.absorption * unit / extinction) as f32 } else { 0.0 },
+            phase_function,
+            above,
+            below,
+        });
+        depth = (depth + thickness).min(f64::from(CLEAR));
+    }
+    Ok((media, unit))
+}
+
+/// The grid in units of the walk: numbers of cells per unit, and the last cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    pub(super) rings_per_unit: f32,
+    pub(super) depths_per_unit: f32,
+    pub(super) last_ring: f32,
+    pub(super) last_depth: f32,
+}
+
+impl Cells {
+    pub(super) fn new(grid: &Grid, unit: f64) -> Self {
+        let per_unit = |length: f64| (unit / length).min(1e30) as f32;
+        Self {
+            rings_per_unit: per_unit(grid.dr),
+            depths_per_unit: per_unit(grid.dz),
+            last_ring: (grid.nr - 1) as f32,
+            last_depth: (grid.nz - 1) as f32,
+        }
+    }
+}

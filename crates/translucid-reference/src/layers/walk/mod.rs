@@ -1,0 +1,141 @@
+//! The Monte Carlo walk through layers.
+//!
+//! Photons carry weights, of which every collision leaves a part in its layer; standard errors are those between batches.
+//! The bits of a result are a function of layers, light, grid, number of photons and seed: they do not depend on threads.
+
+mod grid;
+mod kernel;
+mod medium;
+mod tally;
+
+pub use grid::{Grid, Quantity};
+pub use tally::LayersTally;
+
+use std::f64::consts::FRAC_PI_2;
+
+use fearless_simd::Level;
+use rayon::prelude::*;
+use translucid_profile::{ParameterError, fresnel_from_outside, require};
+
+use self::grid::Places;
+use self::kernel::Setup;
+use self::medium::{Cells, media};
+use self::tally::Batch;
+use super::{Ground, Layers};
+use crate::walk::edge_search::EdgeSearch;
+use crate::walk::photon_source::PhotonSource;
+use crate::walk::random::Key;
+use crate::walk::{Control, Parameters, Problem};
+use crate::{Incidence, specular_reflectance};
+
+/// Batches that photons are walked in, whose differences give the errors.
+const BATCHES: u64 = 64;
+
+impl Layers {
+    /// Walks photons of a seed on all threads of the current rayon pool.
+    ///
+    /// Where it is stopped, the result is that of the batches done so far, of which there are 64 in all.
+    ///
+    /// ```
+    /// use translucid_reference::Incidence;
+    /// use translucid_reference::layers::{Grid, Ground, Layer, Layers, Quantity};
+    /// use translucid_reference::walk::Control;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let slab = Layers::new(1.0, vec![Layer::new(90.0, 10.0, 0.02).with_g(0.75)], Ground::AIR)?;
+    /// let tally = slab.walk(Incidence::NORMAL, Grid::TOTALS, 20_000, 1, &Control::default())?;
+    /// let reflected = tally.total(Quantity::Reflected);
+    /// assert!((reflected.value - 0.09739).abs() < 5.0 * reflected.error); // H. C. van de Hulst 1980
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The grid is not one, the light cannot enter, a phase function is given by its moments alone, or mean free paths and
+    /// thicknesses differ by more than a factor of 1e12.
+    pub fn walk(
+        &self,
+        incidence: Incidence,
+        grid: Grid,
+        photons: u64,
+        seed: u64,
+        control: &Control,
+    ) -> Result<LayersTally, ParameterError> {
+        self.walk_at_level(Level::new(), incidence, grid, photons, seed, control)
+    }
+
+    /// [`walk`](Self::walk) with a choice of instruction set.
+    fn walk_at_level(
+        &self,
+        level: Level,
+        incidence: Incidence,
+        grid: Grid,
+        photons: u64,
+        seed: u64,
+        control: &Control,
+    ) -> Result<LayersTally, ParameterError> {
+        grid.check()?;
+        require(photons > 0, "photons", photons as f64, "at least 1")?;
+        let (media, unit) = media(self)?;
+        let places = Places::new(grid, media.len());
+        let eta = self.layers()[0].eta / self.eta_above();
+        let problem = Problem::new(Parameters { eta, incidence, ..Parameters::default() })?;
+        let clear = self.clear_first(incidence);
+        let specular = clear.unwrap_or_else(|| specular_reflectance(incidence, eta));
+        let mut tally = LayersTally::new(places.clone(), specular);
+        let setup = Setup {
+            cells: Cells::new(&grid, unit),
+            cosines: EdgeSearch::new(cosines(grid.na)),
+            places,
+            key: Key::new(seed),
+            source: PhotonSource::new(&problem),
+            first: usize::from(clear.is_some()).min(media.len()),
+            media,
+        };
+        if setup.first == setup.media.len() {
+            tally.add_all_transmitted(photons);
+            return Ok(tally);
+        }
+        let batches = photons.min(BATCHES);
+        let start_of = |batch: u64| (u128::from(photons) * u128::from(batch) / u128::from(batches)) as u64;
+        let ranges: Vec<_> = (0..batches).map(|batch| start_of(batch)..start_of(batch + 1)).collect();
+        for wave in ranges.chunks(rayon::current_num_threads()) {
+            if control.stops() {
+                break;
+            }
+            let walk =
+                |range: &std::ops::Range<u64>| kernel::walk(level, &setup, control.stop, range.clone());
+            let done: Vec<Option<Batch>> = wave.par_iter().map(walk).collect();
+            done.into_iter().flatten().for_each(|batch| tally.add(batch));
+            (control.progress)(tally.photons());
+        }
+        Ok(tally)
+    }
+
+    /// Specular reflectance of a clear first layer under a perpendicular beam.
+    fn clear_first(&self, incidence: Incidence) -> Option<f64> {
+        let first = &self.layers()[0];
+        if incidence != Incidence::NORMAL || first.extinction() > 0.0 {
+            return None;
+        }
+        let below = match (self.layers().get(1), self.ground()) {
+            (Some(second), _) => second.eta,
+            (None, Ground::Medium { eta }) => eta,
+            (None, _) => return None,
+        };
+        let [r1, r2] =
+            [first.eta / self.eta_above(), below / first.eta].map(|eta| fresnel_from_outside(1.0, eta));
+        Some(r1 + (1.0 - r1) * (1.0 - r1) * r2 / (1.0 - r1 * r2))
+    }
+}
+
+/// Cosines between angles of equal width, from grazing up.
+fn cosines(angles: usize) -> Vec<f64> {
+    let between = |i: usize| libm::cos(FRAC_PI_2 * i as f64 / angles as f64);
+    (1..angles).rev().map(between).collect()
+}
+
+#[cfg(test)]
+mod laws;
+#[cfg(test)]
+mod twin;
