@@ -102,19 +102,31 @@ def compare(file, systems, arguments):
 
 
 def compare_denoised(scene, file, systems, arguments):
-    """Prints rows of CPU seconds and mean FLIP of denoised pictures, against each engine's own of many samples."""
+    """Rows of CPU seconds and mean FLIP of denoised pictures, against each engine's own of many samples, and of the time to the
+    FLIP of Cycles over its time."""
     from flip_evaluator import evaluate
 
     shown = lambda image: np.ascontiguousarray(np.clip(encoded(image[..., :3]), 0, 1), dtype=np.float32)
+    found = {}
     for system in systems:
         start = system.image(file, 2, 1, 0)[1]
         truth = shown(system.image(file, arguments.size, arguments.reference_samples, 77, use_denoising=True)[0])
         for name, settings in {"": {}, ", not shared": {"use_sharing": False}}.items():
             for spp in arguments.spp if not settings or system.engine != "CYCLES" else ():
-                found = [system.image(file, arguments.size, spp, seed, use_denoising=True, **settings) for seed in range(arguments.pairs)]
-                error = np.mean([evaluate(truth, shown(image), "LDR")[1] for image, _ in found])
-                seconds = np.mean([seconds for _, seconds in found]) - start
-                print(f"| {scene} | {system.name}{name} | {spp} | {seconds:.2f} | {error:.4f} |", flush=True)
+                images = [system.image(file, arguments.size, spp, seed, use_denoising=True, **settings) for seed in range(arguments.pairs)]
+                error = np.mean([evaluate(truth, shown(image), "LDR")[1] for image, _ in images])
+                seconds = np.mean([seconds for _, seconds in images]) - start
+                found.setdefault(system.name + name, []).append((seconds, error))
+    # Of two straight lines through the logarithms, where the second has its mean
+    other = np.log(list(found.values())[-1])
+    to_same = lambda points: np.polyval(np.polyfit(np.log(points)[:, 1], np.log(points)[:, 0], 1), other[:, 1].mean())
+    rows = []
+    for name, points in found.items():
+        ratio = math.exp(to_same(points) - to_same(np.exp(other)))
+        cells = [f"{seconds:.1f} s · {error:.4f}" for seconds, error in points]
+        rows.append(f"| {' | '.join([scene, name, *cells, f'{ratio:.2f}'])} |")
+    print("\n".join(rows), flush=True)
+    return rows
 
 
 def geometric_mean(values):
@@ -173,7 +185,7 @@ def measure(python, wheels, arguments):
             print("\n".join([*said, str(folder / "scene.toml")]), flush=True)
             continue
         if arguments.denoised:
-            compare_denoised(scene, file, systems, arguments)
+            rows += compare_denoised(scene, file, systems, arguments)
             file.unlink()
             continue
         kept[scene], means = compare(file, systems, arguments)
@@ -220,13 +232,17 @@ def main():
     parser.add_argument("--json", type=Path, help="file for all figures")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/speed/how-fast.md")
     arguments = parser.parse_args()
+    if arguments.write and arguments.denoised:
+        parser.error("--write is for the tables of noise")
+    if arguments.denoised and len(arguments.spp) < 2:
+        parser.error("--denoised fits a line, and needs two numbers of samples in --spp")
     wheels = arguments.ours or [installed_wheel()]
     text, kept = [], {}
     last = arguments.spp[-1]
     head = ["scene", "renderer", *(f"{spp} samples" for spp in arguments.spp), "mean"]
     head += [f"relMSE and CPU time at {last}", "… of the other", "light over the other's, R, G, B"]
     if arguments.denoised:
-        head = ["scene", "renderer", "samples", "CPU s", "FLIP"]
+        head = ["scene", "renderer", *(f"{spp} samples: CPU, FLIP" for spp in arguments.spp), "time to the same FLIP"]
     for python in arguments.blender.split(","):
         lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
         print("\n".join(["", *lines]), flush=True)
