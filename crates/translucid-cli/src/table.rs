@@ -39,6 +39,18 @@ impl TableArguments {
         self.output.as_deref().filter(is_npz)
     }
 
+    /// Whether the table is JSON.
+    pub(crate) fn is_json(&self) -> bool {
+        self.format == TableFormat::Json
+    }
+
+    /// Refuses a file whose name ends in `.npz`, where there are no photons to keep in it.
+    pub(crate) fn refuse_npz(&self) -> Result<(), Failure> {
+        let Some(path) = self.npz() else { return Ok(()) };
+        let message = format!("--output is {}, but this is a table of numbers", path.display());
+        Err(Failure::input(message).with_help("name a .csv file, or a .json file with --format json"))
+    }
+
     /// The file, if the table is not for stdout.
     pub(crate) fn file(&self) -> Option<&Path> {
         self.output.as_deref()

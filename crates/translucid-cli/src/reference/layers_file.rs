@@ -8,9 +8,9 @@ use translucid_reference::layers::{Ground, Layer, Layers};
 use translucid_scene::description::{Content, Item, Table};
 use translucid_scene::{Interval, SceneError};
 
-const COEFFICIENT: Interval = Interval::closed(0.0, 1e100);
+const COEFFICIENT: Interval = Interval::closed(0.0, 1e30);
 const ETA: Interval = Interval::closed(0.1, 10.0);
-const LENGTH: Interval = Interval::above(0.0, 1e100);
+const LENGTH: Interval = Interval::closed(1e-30, 1e30);
 const COSINE: Interval = Interval::open(-1.0, 1.0);
 /// Most moments of a phase function.
 const MOST_MOMENTS: usize = 10_000;
@@ -98,7 +98,7 @@ fn read_moments(item: &Item<'_>) -> Result<Vec<f64>, SceneError> {
     let Content::List(list) = item.content() else { return Err(item.mismatch("an array of numbers")) };
     if list.len() > MOST_MOMENTS {
         return Err(item.error(format!(
-            "{} has {} values, but at most 10000 are allowed",
+            "{} has {} values, but at most {MOST_MOMENTS} are allowed",
             item.path(),
             list.len()
         )));

@@ -7,10 +7,9 @@ use translucid_reference::Incidence;
 use translucid_reference::layers::{Layers, LayersProfile};
 
 use super::layers_file::read_layers;
-use super::layers_walk::{TOTAL_COLUMNS, print_walked_totals};
+use super::layers_walk::{TOTAL_COLUMNS, print_walked_totals, refused};
 use super::{Method, ReferenceArguments};
 use crate::failure::Failure;
-use crate::table::exact;
 
 const PROFILE_COLUMNS: [&str; 5] =
     ["r", "reflectance", "reflectance_error", "transmittance", "transmittance_error"];
@@ -18,6 +17,7 @@ const PROFILE_COLUMNS: [&str; 5] =
 /// Prints profiles at radii, or totals.
 pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Failure> {
     arguments.table.spare(std::iter::once(file))?;
+    arguments.table.refuse_npz()?;
     let incidence = arguments.incidence()?;
     let layers = read_layers(file)?;
     if arguments.method == Some(Method::MonteCarlo) {
@@ -50,10 +50,13 @@ fn print_totals(
     layers: &Layers,
     incidence: Incidence,
 ) -> Result<(), Failure> {
-    let totals = layers.totals(incidence).map_err(|error| {
-        let (parameter, value) = (error.parameter, exact(error.value));
-        Failure::input(format!("{parameter} is {value}, but must be {}", error.requirement()))
-    })?;
+    let totals = layers.totals(incidence).map_err(refused)?;
+    if totals.error > 1e-2 {
+        return Err(Failure::work(
+            "these layers have no exact solution: their coefficients are too far apart",
+        )
+        .with_help("try --method monte-carlo"));
+    }
     let mut parts = vec![
         (String::from("specular_reflectance"), totals.specular_reflectance),
         (String::from("diffuse_reflectance"), totals.diffuse_reflectance),

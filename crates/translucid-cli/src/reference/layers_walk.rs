@@ -69,10 +69,7 @@ pub(super) fn print_walked_totals(
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
     let walk =
         |control: &Control| layers.walk(incidence, Grid::TOTALS, photons, arguments.walk.seed(), control);
-    let tally = watched(&file.display().to_string(), photons, walk, |tally| tally).map_err(|error| {
-        let (parameter, value) = (error.parameter, exact(error.value));
-        Failure::input(format!("{parameter} is {value}, but must be {}", error.requirement()))
-    })?;
+    let tally = watched(&file.display().to_string(), photons, walk, |tally| tally).map_err(refused)?;
     let interrupted = interrupt::settle();
     if tally.photons() == 0 {
         return Err(Failure::interrupted("nothing was walked yet"));
@@ -94,4 +91,14 @@ pub(super) fn print_walked_totals(
         return Err(Failure::interrupted(format!("the table is that of {} photons", tally.photons())));
     }
     Ok(())
+}
+
+/// The error of a parameter of layers or of light on them.
+pub(super) fn refused(error: ParameterError) -> Failure {
+    let (parameter, value) = (error.parameter, exact(error.value));
+    let failure = Failure::input(format!("{parameter} is {value}, but must be {}", error.requirement()));
+    if parameter == "cos_theta" {
+        return failure.with_help("cos_theta is the cosine of --incidence-angle: choose a smaller angle");
+    }
+    failure
 }

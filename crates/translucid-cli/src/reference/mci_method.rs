@@ -1,6 +1,7 @@
 //! `translucid reference --layers FILE.mci`: the walks of MCML's files.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use translucid_laboratory::Cell;
@@ -25,8 +26,15 @@ pub(super) fn run(arguments: &ReferenceArguments, path: &Path) -> Result<(), Fai
             .with_help("leave --method out, or use --method monte-carlo"));
     }
     refuse_what_the_file_says(arguments)?;
+    arguments.table.refuse_npz()?;
+    if !fs::metadata(path).map_or(true, |data| data.is_file()) {
+        return Err(at(path, None, String::from("is not a file")));
+    }
     let bytes = fs::read(path).map_err(|error| at(path, None, format!("cannot be read: {error}")))?;
     let runs = parse_mci(&bytes).map_err(|error| SceneError::of_text(path, error))?;
+    for run in &runs {
+        run.check().map_err(|error| at(path, Some(run.line), format!("{}: {error}", run.output)))?;
+    }
     let outputs = Outputs::new(arguments, path, &runs)?;
     let _locks = outputs.files().map(OutputLock::take).collect::<Result<Vec<_>, _>>()?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
@@ -84,12 +92,17 @@ enum Outputs {
 impl Outputs {
     /// Finds out whether they can be written.
     fn new(arguments: &ReferenceArguments, path: &Path, runs: &[MciRun]) -> Result<Self, Failure> {
+        let is_mco = |file: &Path| file.extension().is_some_and(|found| found.eq_ignore_ascii_case("mco"));
+        if arguments.table.is_json() && arguments.table.file().is_none_or(is_mco) {
+            return Err(Failure::input("--format is json, but .mco files have a form of their own")
+                .with_help("name a file for the table by -o"));
+        }
         let outputs = match arguments.table.file() {
             None => {
                 let beside = |run| Ok(path.with_file_name(name_of(path, run)?));
                 Self::Files(runs.iter().map(beside).collect::<Result<_, Failure>>()?)
             }
-            Some(file) if file.extension().is_some_and(|found| found.eq_ignore_ascii_case("mco")) => {
+            Some(file) if is_mco(file) => {
                 if runs.len() > 1 {
                     let message =
                         format!("--output is one file, but {} has {} runs", path.display(), runs.len());
@@ -137,12 +150,23 @@ fn name_of<'a>(path: &Path, run: &'a MciRun) -> Result<&'a str, Failure> {
     if !is_plain || name.contains(['/', '\\', ':']) {
         return refused("names a folder, but must be a file in that of the .mci file");
     }
-    if fs::read(path.with_file_name(name))
-        .is_ok_and(|found| !(found.starts_with(b"A1") || found.starts_with(b"B1")))
-    {
+    if name.contains(char::is_control) {
+        return refused("has a control character");
+    }
+    if is_foreign(&path.with_file_name(name)) {
         return refused("is there and no .mco file, and would be overwritten");
     }
     Ok(name)
+}
+
+/// Whether something is there that is no `.mco` file.
+fn is_foreign(path: &Path) -> bool {
+    let Ok(data) = fs::metadata(path) else { return false };
+    let is_like = |mut file: File| {
+        let mut start = [0; 2];
+        file.read_exact(&mut start).is_ok() && [*b"A1", *b"B1"].contains(&start)
+    };
+    !(data.is_file() && File::open(path).is_ok_and(is_like))
 }
 
 /// Lines of the table: `.mco` figures with their errors and places.

@@ -112,9 +112,9 @@ impl Layer {
 
     /// Checks all but the place among other layers.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let is_coefficient = |value: f64| (0.0..=1e100).contains(&value);
-        require(is_coefficient(self.scattering), "scattering", self.scattering, "in [0, 1e100]")?;
-        require(is_coefficient(self.absorption), "absorption", self.absorption, "in [0, 1e100]")?;
+        let is_coefficient = |value: f64| (0.0..=1e30).contains(&value);
+        require(is_coefficient(self.scattering), "scattering", self.scattering, "in [0, 1e30]")?;
+        require(is_coefficient(self.absorption), "absorption", self.absorption, "in [0, 1e30]")?;
         require(ETA.contains(&self.eta), "eta", self.eta, "in [0.1, 10]")?;
         require(self.thickness > 0.0, "thickness", self.thickness, "greater than 0")?;
         match &self.deflection {
@@ -145,8 +145,8 @@ fn check_density(moments: &[f64]) -> Result<(), ParameterError> {
             sum += (2.0 * order + 1.0) * moment * now;
             (before, now) = (now, ((2.0 * order + 1.0) * x * now - order * before) / (order + 1.0));
         }
-        let allowed = "those of a phase function that is nowhere below 0: its least sum (2l + 1) moment P_l";
-        require(sum >= -1e-3, "moments", sum, allowed)?;
+        let allowed = "at least 0: these are no moments of a phase function";
+        require(sum >= -1e-3, "4 pi times the phase function at some angle", sum, allowed)?;
     }
     Ok(())
 }

@@ -129,11 +129,11 @@ const MOST_INDICES: usize = 16;
 fn check_thickness(layer: &Layer, is_last: bool, ground: Ground) -> Result<(), ParameterError> {
     let thickness = layer.thickness;
     if thickness.is_finite() {
-        require(thickness <= 1e100, "thickness", thickness, "at most 1e100")?;
+        require((1e-30..=1e30).contains(&thickness), "thickness", thickness, "in [1e-30, 1e30]")?;
         let allowed = "infinite in the last layer if there is no ground";
         require(!(is_last && ground == Ground::None), "thickness", thickness, allowed)?;
     } else {
-        require(is_last, "thickness", thickness, "finite but in the last layer")?;
+        require(is_last, "thickness", thickness, "finite in all layers but the last")?;
         require(ground == Ground::None, "thickness", thickness, "finite above a ground")?;
         let allowed = "greater than 0 in an infinite layer; a clear half space is a ground";
         require(layer.extinction() > 0.0, "extinction", layer.extinction(), allowed)?;
@@ -186,14 +186,14 @@ mod tests {
             (
                 vec![Layer::new(f64::NAN, 0.1, 1.0)],
                 Ground::AIR,
-                "layer 1: scattering is NaN, but must be in [0, 1e100]",
+                "layer 1: scattering is NaN, but must be in [0, 1e30]",
             ),
             (vec![plain.clone().with_g(1.0)], Ground::AIR, "layer 1: g is 1, but must be in (-1, 1)"),
             (vec![plain.clone().with_eta(0.0)], Ground::AIR, "layer 1: eta is 0, but must be in [0.1, 10]"),
             (
                 vec![endless.clone(), plain.clone()],
                 Ground::AIR,
-                "layer 1: thickness is inf, but must be finite but in the last layer",
+                "layer 1: thickness is inf, but must be finite in all layers but the last",
             ),
             (vec![endless], Ground::AIR, "layer 1: thickness is inf, but must be finite above a ground"),
             (
@@ -210,7 +210,8 @@ mod tests {
             assert_eq!(refused(layers, ground), expected);
         }
         assert!(
-            refused(vec![plain.clone().with_moments(vec![0.9])], Ground::AIR).contains("nowhere below 0")
+            refused(vec![plain.clone().with_moments(vec![0.9])], Ground::AIR)
+                .contains("no moments of a phase function")
         );
         let moments = (1..80).map(|l| 0.8f64.powi(l)).collect();
         assert!(Layers::new(1.0, vec![plain.with_moments(moments)], Ground::AIR).is_ok());

@@ -1,6 +1,6 @@
 //! Reflectance, transmittance and absorption of layers.
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::matrix::Matrix;
 use super::operators::{LayerOperators, depth, face};
@@ -30,6 +30,8 @@ pub struct Totals {
 
 /// Rays between two indices, rule by rule.
 const COUNTS: [usize; 7] = [8, 12, 16, 24, 32, 48, 64];
+/// Least cosine of a pencil: nearer to grazing, a ray of its own is no part of the rules.
+const LEAST_COSINE: f64 = 1e-4;
 /// Error at which no finer rule is tried.
 const ENOUGH: f64 = 1e-6;
 /// Error by the part of scattering into a peak of no angle: for g = 0.98 the totals change with it by up to a third of
@@ -60,9 +62,15 @@ impl Layers {
     /// ```
     ///
     /// # Errors
-    /// A pencil's cosine is not in (0, 1\], or the incidence is given inside a medium ([`Incidence::UniformCosine`]).
+    /// A layer that scatters is thicker than 1e15 mean free paths, a pencil's cosine is not in [1e-4, 1], or the incidence is given inside a medium ([`Incidence::UniformCosine`]).
     pub fn totals(&self, incidence: Incidence) -> Result<Totals, ParameterError> {
         let beam = self.beam(incidence)?;
+        for layer in self.layers.iter().filter(|layer| layer.scattering > 0.0 && layer.thickness.is_finite())
+        {
+            let depth = depth(layer);
+            let allowed = "at most 1e15 in a layer that scatters; the last layer may be infinite";
+            require(depth <= 1e15, "optical thickness", depth, allowed)?;
+        }
         let panels = squared_indices(self).len();
         let mut before: Option<Totals> = None;
         for count in COUNTS {
@@ -70,8 +78,10 @@ impl Layers {
             let rays = Rays::new(self, count, beam);
             let now = self.totals_by(&rays);
             let error = before.as_ref().map_or(f64::INFINITY, |before| 2.0 * now.difference(before));
-            let error = error + PEAK_DOUBT * self.peak(&rays);
-            let now = Totals { error: error.max(1e-12), ..now };
+            let lost = (now.sum() - 1.0).abs();
+            let error = error + PEAK_DOUBT * self.peak(&rays) + lost;
+            // What is not a number is no result
+            let now = Totals { error: if error.is_nan() { f64::INFINITY } else { error.max(1e-12) }, ..now };
             if error < ENOUGH || (before.is_some() && is_too_large) {
                 return Ok(now);
             }
@@ -90,10 +100,12 @@ impl Layers {
     /// p² of a pencil.
     fn beam(&self, incidence: Incidence) -> Result<Option<f64>, ParameterError> {
         match incidence {
-            Incidence::Pencil { cos_theta } if cos_theta > 0.0 && cos_theta <= 1.0 => {
+            Incidence::Pencil { cos_theta } if (LEAST_COSINE..=1.0).contains(&cos_theta) => {
                 Ok(Some(self.eta_above * self.eta_above * (1.0 - cos_theta * cos_theta)))
             }
-            Incidence::Pencil { cos_theta } => Err(ParameterError::new("cos_theta", cos_theta, "in (0, 1]")),
+            Incidence::Pencil { cos_theta } => {
+                Err(ParameterError::new("cos_theta", cos_theta, "in [1e-4, 1]"))
+            }
             Incidence::Cosine => Ok(None),
             Incidence::UniformCosine => {
                 let allowed = "outside of the layers: a pencil or a cosine distribution";

@@ -73,7 +73,7 @@ pub struct MciLayer {
 /// A value is not a number or is out of range, a line has too few or too many values, an output is named twice, or the file
 /// ends early or goes on after its last run.
 pub fn parse_mci(bytes: &[u8]) -> Result<Vec<MciRun>, InputError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let mut lines = Lines { lines: text.lines().enumerate(), last: 0 };
     read_version(&mut lines)?;
     let count = lines.values("the number of runs", 1)?.whole("the number of runs", 1, 32_767)?;

@@ -72,6 +72,14 @@ impl MciRun {
         Grid { dz, dr, nz, nr, na }
     }
 
+    /// Checks what [`walk`](Self::walk) does before its first photon.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.layers().map_err(|error| error.error)?.check_for_walk(Incidence::NORMAL, &self.grid())
+    }
+
     /// Walks the photons of the run.
     ///
     /// # Errors

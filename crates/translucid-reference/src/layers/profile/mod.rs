@@ -49,7 +49,7 @@ const BEFORE_DECAY: f64 = 0.95;
 /// Step of wave numbers.
 const STEP: f64 = 0.2;
 /// Error as a part of the value that is in all rules.
-const COMMON: f64 = 1e-5;
+const COMMON: f64 = 2e-5;
 
 impl Layers {
     /// Solves for the profiles R(r) and T(r) under a normal pencil beam.

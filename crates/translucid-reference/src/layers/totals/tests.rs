@@ -229,3 +229,22 @@ fn incidence_without_meaning_is_refused() {
     }
     assert!(layers.totals(Incidence::UniformCosine).is_err());
 }
+
+/// Light and layers for which the rules have no rays or numbers are refused, and no zeros are given in their place.
+#[test]
+fn what_the_rules_cannot_hold_is_refused() {
+    let of = |layer: Layer, incidence| Layers::new(1.0, vec![layer], Ground::AIR).unwrap().totals(incidence);
+    let error = of(Layer::new(1.0, 0.1, 1.0), Incidence::Pencil { cos_theta: 1e-7 }).unwrap_err();
+    assert!(error.to_string().contains("cos_theta is 1e-7, but must be in [1e-4, 1]"), "{error}");
+    let error = of(Layer::new(1e17, 0.0, 1.0), Incidence::NORMAL).unwrap_err();
+    assert!(error.to_string().contains("optical thickness"), "{error}");
+    for (scattering, absorption) in [(1e30, 1e30), (1e30, 1e-30), (20.0, 1e30), (1e-30, 0.0)] {
+        let layers =
+            Layers::new(1.0, vec![Layer::new(scattering, absorption, f64::INFINITY)], Ground::None).unwrap();
+        for incidence in [Incidence::NORMAL, Incidence::Pencil { cos_theta: 1e-4 }, Incidence::Cosine] {
+            let totals = layers.totals(incidence).unwrap();
+            assert!((totals.sum() - 1.0).abs() <= totals.error, "{scattering} {absorption}: {totals:?}");
+            assert!(totals.error < 1e-4, "{scattering} {absorption}: {totals:?}");
+        }
+    }
+}

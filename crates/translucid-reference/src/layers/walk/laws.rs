@@ -389,3 +389,26 @@ fn walks_without_meaning_are_refused() {
         assert!(message.starts_with(start), "{message}");
     }
 }
+
+/// Standard errors are those of results between seeds, although batches differ by a photon: for a figure near 1, too.
+///
+/// The ratio of 40 seeds' spread to the mean error is off by 11 %; the bounds are at 3.5 times that.
+#[test]
+fn errors_are_those_between_seeds() {
+    let layers =
+        Layers::new(1.0, vec![Layer::new(10.0, 0.001, 1.0)], Ground::Lambertian { reflectance: 1.0 })
+            .unwrap();
+    let found: Vec<Estimate> = (0..40)
+        .map(|seed| {
+            let tally =
+                layers.walk(Incidence::NORMAL, Grid::TOTALS, 1000, seed, &Control::default()).unwrap();
+            tally.total(Quantity::Reflected)
+        })
+        .collect();
+    let mean = found.iter().map(|found| found.value).sum::<f64>() / 40.0;
+    let spread = found.iter().map(|found| (found.value - mean).powi(2)).sum::<f64>() / 39.0;
+    let stated = found.iter().map(|found| found.error * found.error).sum::<f64>() / 40.0;
+    assert!(mean > 0.99 && found.iter().all(|found| found.error > 0.0), "{found:?}");
+    let ratio = (spread / stated).sqrt();
+    assert!((0.61..1.39).contains(&ratio), "{ratio}");
+}

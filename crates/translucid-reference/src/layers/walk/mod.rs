@@ -19,7 +19,7 @@ use translucid_profile::{ParameterError, fresnel_from_outside, require};
 
 use self::grid::Places;
 use self::kernel::Setup;
-use self::medium::{Cells, media};
+use self::medium::{Cells, Medium, media};
 use self::tally::Batch;
 use super::{Ground, Layers};
 use crate::walk::edge_search::EdgeSearch;
@@ -28,13 +28,15 @@ use crate::walk::random::Key;
 use crate::walk::{Control, Parameters, Problem};
 use crate::{Incidence, specular_reflectance};
 
-/// Batches that photons are walked in, whose differences give the errors.
-const BATCHES: u64 = 64;
+/// Least and most batches that photons are walked in, whose differences give the errors.
+const BATCHES: [u64; 2] = [64, 4096];
+/// Photons of a batch, where there are as many: what is lost where a walk is stopped.
+const BATCH: u64 = 1 << 20;
 
 impl Layers {
     /// Walks photons of a seed on all threads of the current rayon pool.
     ///
-    /// Where it is stopped, the result is that of the batches done so far, of which there are 64 in all.
+    /// Where it is stopped, the result is that of the batches done so far, of which there are 64 or more in all.
     ///
     /// ```
     /// use translucid_reference::Incidence;
@@ -74,12 +76,10 @@ impl Layers {
         seed: u64,
         control: &Control,
     ) -> Result<LayersTally, ParameterError> {
-        grid.check()?;
         require(photons > 0, "photons", photons as f64, "at least 1")?;
-        let (media, unit) = media(self)?;
+        let (media, unit, problem) = self.check_walk(incidence, &grid)?;
         let places = Places::new(grid, media.len());
-        let eta = self.layers()[0].eta / self.eta_above();
-        let problem = Problem::new(Parameters { eta, incidence, ..Parameters::default() })?;
+        let eta = problem.parameters().eta;
         let clear = self.clear_first(incidence);
         let specular = clear.unwrap_or_else(|| specular_reflectance(incidence, eta));
         let mut tally = LayersTally::new(places.clone(), specular);
@@ -96,7 +96,8 @@ impl Layers {
             tally.add_all_transmitted(photons);
             return Ok(tally);
         }
-        let batches = photons.min(BATCHES);
+        let [least, most] = BATCHES;
+        let batches = photons.div_ceil(BATCH).clamp(least, most).min(photons);
         let start_of = |batch: u64| (u128::from(photons) * u128::from(batch) / u128::from(batches)) as u64;
         let ranges: Vec<_> = (0..batches).map(|batch| start_of(batch)..start_of(batch + 1)).collect();
         for wave in ranges.chunks(rayon::current_num_threads()) {
@@ -110,6 +111,29 @@ impl Layers {
             (control.progress)(tally.photons());
         }
         Ok(tally)
+    }
+
+    /// Checks what [`walk`](Self::walk) does before its first photon.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn check_for_walk(&self, incidence: Incidence, grid: &Grid) -> Result<(), ParameterError> {
+        self.check_walk(incidence, grid).map(|_| ())
+    }
+
+    /// The layers, their unit of length and the light as the walk needs them.
+    fn check_walk(
+        &self,
+        incidence: Incidence,
+        grid: &Grid,
+    ) -> Result<(Vec<Medium>, f64, Problem), ParameterError> {
+        grid.check()?;
+        let (media, unit) = media(self)?;
+        let eta = self.layers()[0].eta / self.eta_above();
+        let allowed = "in [0.1, 10], for a walk";
+        require((0.1..=10.0).contains(&eta), "eta of the first layer over that above", eta, allowed)?;
+        let problem = Problem::new(Parameters { eta, incidence, ..Parameters::default() })?;
+        Ok((media, unit, problem))
     }
 
     /// Specular reflectance of a clear first layer under a perpendicular beam.

@@ -15,7 +15,7 @@ pub struct LayersTally {
     batches: u64,
     /// Sums over photons that entered.
     sums: Vec<f64>,
-    /// Sums over batches of squared means.
+    /// Sums over batches of squares over photons.
     squares: Vec<f64>,
 }
 
@@ -41,7 +41,7 @@ impl LayersTally {
         let photons = batch.photons as f64;
         for ((sum, square), value) in self.sums.iter_mut().zip(&mut self.squares).zip(batch.sums) {
             *sum += value;
-            *square += (value / photons) * (value / photons);
+            *square += value * value / photons;
         }
     }
 
@@ -113,7 +113,9 @@ impl LayersTally {
             return Estimate { value, error: f64::INFINITY };
         }
         let mean = self.sums[place] / photons;
-        let variance = (self.squares[place] / batches - mean * mean).max(0.0) / (batches - 1.0);
+        // Batches differ by a photon at most, and each counts by its photons
+        let squares = self.squares[place] - self.sums[place] * mean;
+        let variance = squares.max(0.0) / (photons * (batches - 1.0));
         // Where nothing was seen, or always the same, a single photon may still have been missed
         let error = variance.sqrt().max(if mean == 0.0 { 1.0 / photons } else { 0.0 });
         Estimate { value: entered * mean, error: entered * error }
