@@ -396,7 +396,7 @@ fn layers_that_cannot_be_walked_are_refused() {
         (RUN.replace("0.8 0.5", "0.8 -1"), "", "in.mci:9"),
         (RUN.replace("0.8 0.5", "0.8"), "", "but must have 5"),
         (named("../skin.mco"), "", "in that of the .mci file"),
-        (named("/tmp/skin.mco"), "", "in that of the .mci file"),
+        (named("/elsewhere/skin.mco"), "", "in that of the .mci file"),
         (named("a\\skin.mco"), "", "in that of the .mci file"),
         (named(".."), "", "in that of the .mci file"),
         (named("in.mci"), "", "would be overwritten"),

@@ -86,20 +86,20 @@ impl Layer {
         Ok(layer.with_g(inversion.g()))
     }
 
-    /// The same layer with Henyey and Greenstein's phase function of the mean cosine g ∈ (−1, 1).
+    /// Layer with Henyey and Greenstein's phase function of the mean cosine g ∈ (−1, 1), in all else this one.
     #[must_use]
     pub fn with_g(self, g: f64) -> Self {
         let deflection = Deflection::Named(PhaseFunction::HenyeyGreenstein { g });
         Self { deflection, ..self }
     }
 
-    /// The same layer with the phase function of the Legendre moments χ₁, χ₂, …
+    /// Layer with the phase function of the Legendre moments χ₁, χ₂, …, in all else this one.
     #[must_use]
     pub fn with_moments(self, moments: Vec<f64>) -> Self {
         Self { deflection: Deflection::Moments(moments), ..self }
     }
 
-    /// The same layer with another index of refraction.
+    /// Layer with this index of refraction, in all else this one.
     #[must_use]
     pub fn with_eta(self, eta: f64) -> Self {
         Self { eta, ..self }

@@ -22,7 +22,7 @@ use super::Layer;
 use super::matrix::{Eigen, Matrix};
 use super::rays::Rays;
 
-/// What a layer does with amplitudes of rays, the same from both sides.
+/// Reflection and transmission of amplitudes of rays by a layer, the same from both sides.
 #[derive(Clone, Debug)]
 pub(super) struct LayerOperators {
     pub(super) reflected: Matrix,

@@ -72,22 +72,20 @@ impl Layers {
             require(depth <= 1e15, "optical thickness", depth, allowed)?;
         }
         let panels = squared_indices(self).len();
-        let mut before: Option<Totals> = None;
-        for count in COUNTS {
-            let is_too_large = count * panels > MOST_RAYS;
+        let [coarsest, finer @ ..] = COUNTS;
+        let mut totals = self.totals_by(&Rays::new(self, coarsest, beam));
+        for count in finer {
             let rays = Rays::new(self, count, beam);
             let now = self.totals_by(&rays);
-            let error = before.as_ref().map_or(f64::INFINITY, |before| 2.0 * now.difference(before));
             let lost = (now.sum() - 1.0).abs();
-            let error = error + PEAK_DOUBT * self.peak(&rays) + lost;
+            let error = 2.0 * now.difference(&totals) + PEAK_DOUBT * self.peak(&rays) + lost;
             // What is not a number is no result
-            let now = Totals { error: if error.is_nan() { f64::INFINITY } else { error.max(1e-12) }, ..now };
-            if error < ENOUGH || (before.is_some() && is_too_large) {
-                return Ok(now);
+            totals = Totals { error: if error.is_nan() { f64::INFINITY } else { error.max(1e-12) }, ..now };
+            if error < ENOUGH || count * panels > MOST_RAYS {
+                break;
             }
-            before = Some(now);
         }
-        Ok(before.unwrap_or_else(|| self.totals_by(&Rays::new(self, COUNTS[0], beam))))
+        Ok(totals)
     }
 
     /// Greatest part of a layer's scattering that counts as not scattered.

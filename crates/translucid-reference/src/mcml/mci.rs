@@ -4,12 +4,10 @@ use std::str::SplitWhitespace;
 
 use translucid_profile::InputError;
 
-/// Most cells of a run's tables: nr (nz + 2 na).
-const MOST_CELLS: u64 = 4_000_000;
+use crate::layers::{Grid, Layers};
+
 /// Most photons of a run.
 const MOST_PHOTONS: f64 = 1e15;
-/// Most layers of a run.
-const MOST_LAYERS: u64 = 1000;
 
 /// A run of an `.mci` file. Lengths are in cm.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,16 +119,17 @@ fn read_run(lines: &mut Lines) -> Result<MciRun, InputError> {
     let mut sizes = lines.values("dz and dr", 2)?;
     let [dz, dr] = [sizes.number("dz", LENGTH)?, sizes.number("dr", LENGTH)?];
     let mut counts = lines.values("the numbers of dz, dr and da", 3)?;
-    let [nz, nr, na] =
-        ["dz", "dr", "da"].map(|name| counts.whole(&format!("the number of {name}"), 1, MOST_CELLS));
+    let [nz, nr, na] = ["dz", "dr", "da"]
+        .map(|name| counts.whole(&format!("the number of {name}"), 1, Grid::MOST_CELLS as u64));
     let [nz, nr, na] = [nz?, nr?, na?];
     let cells = nr * (nz + 2 * na);
-    if cells > MOST_CELLS {
+    if cells > Grid::MOST_CELLS as u64 {
         let message =
-            format!("the grid has {cells} cells, nr (nz + 2 na), but must have at most {MOST_CELLS}");
+            format!("the grid has {cells} cells, nr (nz + 2 na), but must have at most {}", Grid::MOST_CELLS);
         return Err(at(counts.line, message));
     }
-    let count = lines.values("the number of layers", 1)?.whole("the number of layers", 1, MOST_LAYERS)?;
+    let count =
+        lines.values("the number of layers", 1)?.whole("the number of layers", 1, Layers::MOST as u64)?;
     let n_above = lines.values("n of the medium above", 1)?.number("n of the medium above", INDEX)?;
     let layers = (1..=count).map(|number| read_layer(lines, number)).collect::<Result<_, _>>()?;
     let n_below = lines.values("n of the medium below", 1)?.number("n of the medium below", INDEX)?;

@@ -138,3 +138,13 @@ impl<S: Simd> Group<S> {
         self.z = flight.fused_mul_add(self.directions.z, self.z);
     }
 }
+
+/// The lanes of a mask, in order.
+#[inline(always)]
+pub(crate) fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}

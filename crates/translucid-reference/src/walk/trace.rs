@@ -47,7 +47,7 @@ use super::instruction_sets::dispatched;
 use super::lanes::{Floats, FusedMulAdd, Words, exponential, is_narrow, unit};
 use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_source::PhotonSource;
-use super::photons::{BLOCK, Group, Photons};
+use super::photons::{BLOCK, Group, Photons, lanes_of};
 use super::problem::{PhaseFunction, Problem};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
@@ -465,16 +465,6 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
         self.pool.count += survive.count_ones() as usize;
     }
-}
-
-/// The lanes of a mask, in order.
-#[inline(always)]
-fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
 }
 
 /// Mirrors photons that the face reflects totally, where one reflection brings them inside; the photons beyond

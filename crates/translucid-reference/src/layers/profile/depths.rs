@@ -134,7 +134,7 @@ pub(super) fn stride(nodes: usize) -> usize {
     nodes + 1
 }
 
-/// The same layer in another unit of length.
+/// Layer whose lengths are in another unit.
 pub(super) fn in_unit(layer: &Layer, unit: f64) -> Layer {
     Layer {
         scattering: layer.scattering * unit,

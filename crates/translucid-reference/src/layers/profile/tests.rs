@@ -1,4 +1,4 @@
-//! What judges the profiles: the exact half space, equal layers, totals, and a slow walk in layers.
+//! Tests of the profiles: by the exact half space, equal layers, totals, and a slow walk in layers.
 
 use std::f64::consts::PI;
 

@@ -34,7 +34,7 @@ use crate::walk::edge_search::EdgeSearch;
 use crate::walk::instruction_sets::dispatched;
 use crate::walk::lanes::{Floats, FusedMulAdd, Words, circle, complement, exponential, unit};
 use crate::walk::photon_source::PhotonSource;
-use crate::walk::photons::{BLOCK, Group, Photons};
+use crate::walk::photons::{BLOCK, Group, Photons, lanes_of};
 use crate::walk::random::{Key, LANES, Stream};
 use crate::walk::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
 use crate::walk::{PhaseFunction, Side};
@@ -531,14 +531,4 @@ fn refracted<S: Simd>(simd: S, face: &Face, Directions { x, y, z }: Directions<S
         (z * z).fused_mul_add(face.eta * face.eta, Floats::splat(simd, (1.0 - face.eta) * (1.0 + face.eta)));
     let cosine = squared.max(GRAZING * GRAZING).min(1.0).sqrt();
     Directions { x: x * face.eta, y: y * face.eta, z: z.simd_gt(0.0).select(cosine, -cosine) }
-}
-
-/// The lanes of a mask, in order.
-#[inline(always)]
-fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
 }
