@@ -273,3 +273,98 @@ def test_several_walks_at_once():
 
 def test_module_says_what_is_in_it():
     assert set(reference.__all__) <= set(dir(reference)) and "exact" in reference.__doc__
+
+
+SKIN = [
+    {"thickness": 0.1, "scattering": 20.0, "absorption": 1.5, "g": 0.8, "eta": 1.4},
+    {"scattering": 15.0, "absorption": 0.1, "g": 0.8, "eta": 1.4},
+]
+
+
+def test_layers_are_those_of_the_command(command, tmp_path):
+    keys = "\n".join("[[layer]]\n" + "\n".join(f"{key} = {value}" for key, value in layer.items()) for layer in SKIN)
+    file = tmp_path / "skin.toml"
+    file.write_text(keys)
+    for words, keywords in [((), {}), (("--configuration", "diffuse"), {"configuration": "diffuse"}),
+                            (("--incidence-angle", 45), {"incidence_angle": 45})]:
+        rows = {row["part"]: float(row["value"]) for row in command("reference", "--layers", file, *words)}
+        totals = reference.layers(SKIN, **keywords)
+        assert totals.diffuse_reflectance == rows["diffuse_reflectance"]
+        assert totals.absorbed.tolist() == [rows["absorbed_by_layer_1"], rows["absorbed_by_layer_2"]]
+        assert sum(totals[:4]) + totals.absorbed.sum() + totals.absorbed_by_ground == pytest.approx(1.0, abs=1e-9)
+        assert 0.0 < totals.error < 1e-5
+
+
+def test_layers_take_arrays():
+    slab = {"thickness": 0.02, "scattering": 90.0, "absorption": 10.0}
+    g = np.array([[0.75], [0.0]])
+    totals = reference.layers([slab | {"g": g}], ground_reflectance=[0.0, 0.5, 1.0])
+    assert totals.diffuse_reflectance.shape == (2, 3) and totals.absorbed.shape == (2, 3, 1)
+    # H. C. van de Hulst 1980, table 35
+    assert totals.diffuse_reflectance[0, 0] == pytest.approx(0.09739, abs=5e-6)
+    assert totals.absorbed_by_ground[0, 0] == pytest.approx(0.66096, abs=5e-6)
+    assert (np.diff(totals.diffuse_reflectance) > 0.0).all()
+    one = reference.layers([slab | {"g": 0.0}], ground_reflectance=0.5)
+    assert isinstance(one.diffuse_reflectance, float) and one.diffuse_reflectance == totals.diffuse_reflectance[1, 1]
+    albedo = reference.layers([{"surface_albedo": [0.3, 0.9], "mfp": 2.0}], configuration="diffuse")
+    assert np.allclose(albedo.diffuse_reflectance, [0.3, 0.9], atol=1e-4)
+
+
+def test_profile_of_an_endless_layer_is_the_half_space():
+    r = np.geomspace(0.01, 10.0, 7)
+    profile = reference.layers_profile(r, [{"scattering": 0.9, "absorption": 0.1}])
+    expected, _ = exact(r, single_scattering_albedo=0.9, configuration="searchlight")
+    assert np.allclose(profile.reflectance, expected, rtol=1e-4)
+    assert (abs(profile.reflectance - expected) < 2.0 * profile.reflectance_error).all()
+    assert (profile.transmittance == 0.0).all()
+
+
+def test_walk_of_layers_agrees_with_their_totals():
+    totals = reference.layers(SKIN)
+    walk = reference.layers_walk(200_000, SKIN, nr=20, dr=0.1, nz=5, dz=0.1, seed=3)
+    assert walk.specular_reflectance == pytest.approx(totals.specular_reflectance, rel=1e-12)
+    value, error = walk.reflected
+    assert abs(value - totals.diffuse_reflectance) < 5.0 * error
+    value, error = walk.absorbed_by_layer
+    assert (abs(value - totals.absorbed) < 5.0 * error).all()
+    areas = 2.0 * np.pi * walk.r * 0.1
+    assert (walk.reflectance[0] * areas).sum() == pytest.approx(walk.reflected[0], rel=1e-12)
+    assert (walk.absorption[0] * areas[:, None] * 0.1).sum() == pytest.approx(walk.absorbed_by_layer[0].sum(), rel=1e-7)
+    for one, other in zip(walk, reference.layers_walk(200_000, SKIN, nr=20, dr=0.1, nz=5, dz=0.1, seed=3, threads=1)):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("call, error, words", [
+    (lambda: reference.layers(3), TypeError, "a list of dicts"),
+    (lambda: reference.layers([3]), TypeError, r"layers\[0\] must be a dict"),
+    (lambda: reference.layers([]), ValueError, "number of layers is 0"),
+    (lambda: reference.layers([{"scattering": 1.0}]), TypeError, r"layers\[0\] needs scattering and absorption"),
+    (lambda: reference.layers([{"scatering": 1.0}]), ValueError, "has no key \"scatering\", but may have thickness"),
+    (lambda: reference.layers([SKIN[1] | {"mfp": 1.0}]), TypeError, "or surface_albedo and mfp"),
+    (lambda: reference.layers([SKIN[1] | {"moments": [0.5]}]), TypeError, "one of g and moments"),
+    (lambda: reference.layers([SKIN[0] | {"thickness": [1.0, 0.0]}]), ValueError, r"layer 1: thickness is 0.*index \[1\]"),
+    (lambda: reference.layers([SKIN[0] | {"g": np.nan}]), ValueError, "g is NaN"),
+    (lambda: reference.layers(SKIN, eta_below=1.0, ground_reflectance=0.0), TypeError, "one of eta_below and ground"),
+    (lambda: reference.layers(SKIN, ground_reflectance=0.0), ValueError, "must be finite above a ground"),
+    (lambda: reference.layers(SKIN, incidence_angle=89.999), ValueError, r"in \[0, 89.99\]"),
+    (lambda: reference.layers(SKIN, incidence_angle=10, configuration="diffuse"), ValueError, "belongs to a beam"),
+    (lambda: reference.layers([SKIN[0] | {"g": [0.1, 0.2]}, SKIN[1] | {"g": [0.1, 0.2, 0.3]}]), ValueError, "broadcast"),
+    (lambda: reference.layers_profile(0.0, SKIN), ValueError, "r is 0.* greater than 0"),
+    (lambda: reference.layers_walk(0, SKIN), ValueError, "photons is 0"),
+    (lambda: reference.layers_walk(range(3), SKIN), TypeError, "in one go"),
+    (lambda: reference.layers_walk(10, [SKIN[0] | {"g": [0.1, 0.2]}]), TypeError, "must be one number"),
+    (lambda: reference.layers_walk(10, SKIN, nr=0), ValueError, "nr is 0"),
+])
+def test_layers_that_are_none_are_refused(call, error, words):
+    with pytest.raises(error, match=words):
+        call()
+
+
+def test_layers_stop_when_asked():
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reference.layers_walk(10**9, SKIN, progress=stop)
+    with pytest.raises(KeyboardInterrupt):
+        reference.layers([SKIN[0] | {"absorption": np.linspace(0.1, 2.0, 500)}], progress=stop)

@@ -1,18 +1,59 @@
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import Profile
 
-__all__ = ["WhiteTable", "exact", "exact_beyond", "exact_enclosed", "exact_total", "walk"]
+__all__ = [
+    "LayersProfile",
+    "LayersTotals",
+    "LayersWalk",
+    "WhiteTable",
+    "exact",
+    "exact_beyond",
+    "exact_enclosed",
+    "exact_total",
+    "layers",
+    "layers_profile",
+    "layers_walk",
+    "walk",
+]
 
 _Numbers: TypeAlias = float | np.floating[Any] | NDArray[np.floating[Any]]
 _Progress: TypeAlias = bool | Literal["tqdm"] | Callable[[int, int], object]
 _Configuration: TypeAlias = Literal["searchlight", "diffuse"]
 _Side: TypeAlias = Literal["reflected", "transmitted"]
+
+class LayersTotals(NamedTuple):
+    specular_reflectance: _Numbers
+    diffuse_reflectance: _Numbers
+    collimated_transmittance: _Numbers
+    diffuse_transmittance: _Numbers
+    absorbed: NDArray[np.floating[Any]]
+    absorbed_by_ground: _Numbers
+    error: _Numbers
+
+class LayersProfile(NamedTuple):
+    reflectance: _Numbers
+    reflectance_error: _Numbers
+    transmittance: _Numbers
+    transmittance_error: _Numbers
+
+class LayersWalk(NamedTuple):
+    specular_reflectance: float
+    reflected: tuple[float, float]
+    transmitted: tuple[float, float]
+    absorbed_by_layer: tuple[NDArray[np.float64], NDArray[np.float64]]
+    absorbed_by_ground: tuple[float, float]
+    lost: tuple[float, float]
+    r: NDArray[np.float64]
+    z: NDArray[np.float64]
+    reflectance: tuple[NDArray[np.float64], NDArray[np.float64]]
+    transmittance: tuple[NDArray[np.float64], NDArray[np.float64]]
+    absorption: tuple[NDArray[np.float64], NDArray[np.float64]]
 
 @final
 class WhiteTable:
@@ -134,6 +175,44 @@ def exact_total(
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> tuple[_Numbers, _Numbers]: ...
+def layers(
+    layers: Iterable[Mapping[str, ArrayLike]],
+    *,
+    eta_above: ArrayLike | None = None,
+    eta_below: ArrayLike | None = None,
+    ground_reflectance: ArrayLike | None = None,
+    configuration: _Configuration | None = None,
+    incidence_angle: float | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> LayersTotals: ...
+def layers_profile(
+    r: ArrayLike,
+    layers: Iterable[Mapping[str, ArrayLike]],
+    *,
+    eta_above: ArrayLike | None = None,
+    eta_below: ArrayLike | None = None,
+    ground_reflectance: ArrayLike | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> LayersProfile: ...
+def layers_walk(
+    photons: float,
+    layers: Iterable[Mapping[str, ArrayLike]],
+    *,
+    eta_above: float | None = None,
+    eta_below: float | None = None,
+    ground_reflectance: float | None = None,
+    dr: float = 1.0,
+    nr: int = 1,
+    dz: float = 1.0,
+    nz: int = 1,
+    configuration: _Configuration | None = None,
+    incidence_angle: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> LayersWalk: ...
 def walk(
     photons: float | range | None = None,
     *,

@@ -8,6 +8,7 @@ mod command;
 mod convert;
 mod fit;
 mod keys;
+mod layers;
 mod live_session;
 mod long_work;
 mod mattes;
@@ -52,6 +53,9 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reference::exact_enclosed, module)?,
         wrap_pyfunction!(reference::exact_beyond, module)?,
         wrap_pyfunction!(reference::exact_total, module)?,
+        wrap_pyfunction!(layers::layers, module)?,
+        wrap_pyfunction!(layers::layers_profile, module)?,
+        wrap_pyfunction!(layers::layers_walk, module)?,
         wrap_pyfunction!(white_table::walk, module)?,
         wrap_pyfunction!(mattes::cryptomatte_id, module)?,
         wrap_pyfunction!(mattes::_cryptomatte_hash, module)?,

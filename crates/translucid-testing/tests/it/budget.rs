@@ -20,7 +20,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-load", 12800),
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
-    ("translucid-python", 4700),
+    ("translucid-python", 5100),
     ("translucid-reference", 8400),
     ("translucid-render", 17070),
     ("translucid-scene", 3660),
