@@ -46,7 +46,12 @@ fn known_totals() -> String {
     let mut table = String::from(
         "| layers | known from | quantity | known | solved | difference | stated error |\n|---|---|---|---|---|---|---|\n",
     );
-    let mut row = |layers: &str, source: &str, quantity: &str, known: (f64, usize), found: f64, error: f64| {
+    let mut row = |layers: &str,
+                   source: &str,
+                   quantity: &str,
+                   known: (f64, usize),
+                   found: f64,
+                   error: f64| {
         let (known, digits) = known;
         let off = found - known;
         table += &format!(
@@ -92,10 +97,7 @@ fn stacks() -> [(&'static str, Layers); 4] {
         ("skin", stack(vec![epidermis, dermis], Ground::None)),
         (
             "varnished print on paper",
-            stack(
-                vec![varnish, print(20.0, 2.0), print(30.0, 0.1)],
-                Ground::Lambertian { reflectance: 0.8 },
-            ),
+            stack(vec![varnish, print(20.0, 2.0), print(30.0, 0.1)], Ground::Lambertian { reflectance: 0.8 }),
         ),
     ]
 }
@@ -105,8 +107,9 @@ fn walked_totals() -> String {
     for (name, layers) in stacks() {
         for (light, incidence) in [("beam", Incidence::NORMAL), ("diffuse", Incidence::Cosine)] {
             let totals = layers.totals(incidence).expect("has a solution");
-            let tally =
-                layers.walk(incidence, Grid::TOTALS, PHOTONS, SEED, &Control::default()).expect("can be walked");
+            let tally = layers
+                .walk(incidence, Grid::TOTALS, PHOTONS, SEED, &Control::default())
+                .expect("can be walked");
             let walked = tally.total(Quantity::Reflected);
             let (known, found) = (
                 Estimate { value: walked.value + tally.specular(), ..walked },
@@ -139,7 +142,8 @@ fn profiles() -> String {
             ("R", Quantity::ReflectedByRing, LayersProfile::reflectance),
             ("T", Quantity::TransmittedByRing, LayersProfile::transmittance),
         ];
-        for (side, quantity, at) in sides.into_iter().take(if layers.ground() == Ground::AIR { 2 } else { 1 }) {
+        for (side, quantity, at) in sides.into_iter().take(if layers.ground() == Ground::AIR { 2 } else { 1 })
+        {
             let rings: Vec<Estimate> = tally.all(quantity).collect();
             // The innermost ring of T has the beam itself
             for [first, end] in RINGS.into_iter().filter(|[first, _]| side == "R" || *first > 0) {

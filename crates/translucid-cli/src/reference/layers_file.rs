@@ -21,6 +21,7 @@ const MOST_MOMENTS: usize = 10_000;
 /// The file cannot be read, or a key or value is wrong, at which the error points.
 pub(super) fn read_layers(path: &Path) -> Result<Layers, SceneError> {
     let (source, entries) = load_toml(path)?;
+    let source = source.of("a file of layers");
     let root = Table::root(&source, &entries).allow(&["above", "layer", "below"])?;
     let above = match root.get("above") {
         Some(item) => item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| eta.double(ETA))?,

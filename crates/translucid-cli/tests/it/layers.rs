@@ -68,6 +68,7 @@ fn faults_are_named() {
     for (text, options, expected) in [
         ("", "", "number of layers is 0, but must be in [1, 1000]"),
         ("[[layer]]\nthicknes = 1\n", "", "layer[0] has no key thicknes"),
+        ("[[layr]]\nthickness = 1\n", "", "a file of layers has no key layr"),
         (
             "[[layer]]\nthickness = 1\n",
             "",

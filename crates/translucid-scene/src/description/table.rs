@@ -20,6 +20,8 @@ pub struct Provenance {
     text: Arc<str>,
     /// Where the lines of the text end: a large file has many places.
     line_ends: Arc<[usize]>,
+    /// What the values are about, as a whole: "a scene", or another kind of file.
+    whole: &'static str,
     /// The part of a scene that the values are about, where they are in no file.
     part: Option<String>,
     /// The origin of the scene, from which the points that are read are counted.
@@ -31,20 +33,33 @@ impl Provenance {
     pub fn file(path: &Path, text: &str) -> Self {
         let line_ends =
             text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(end, _)| end).collect();
-        Self { path: path.to_owned(), text: Arc::from(text), line_ends, part: None, origin: DVec3::ZERO }
+        Self {
+            path: path.to_owned(),
+            text: Arc::from(text),
+            line_ends,
+            whole: "a scene",
+            part: None,
+            origin: DVec3::ZERO,
+        }
     }
 
     /// Values that are in no file: errors name the part of the scene that they are about.
     pub fn part(part: &str) -> Self {
         let (text, line_ends) = (Arc::from(""), Arc::from([]));
         let path = PathBuf::new();
-        Self { path, text, line_ends, part: Some(part.to_owned()), origin: DVec3::ZERO }
+        Self { path, text, line_ends, whole: "it", part: Some(part.to_owned()), origin: DVec3::ZERO }
     }
 
     /// The same values in a scene of this [origin](crate::Scene::origin).
     #[must_use]
     pub fn in_scene_at(self, origin: DVec3) -> Self {
         Self { origin, ..self }
+    }
+
+    /// The same values, as those of another thing than a scene, which messages name.
+    #[must_use]
+    pub fn of(self, whole: &'static str) -> Self {
+        Self { whole, ..self }
     }
 
     /// The file; empty where there is none.
@@ -126,8 +141,7 @@ impl<'a> Table<'a> {
     /// Dotted path of the table.
     pub fn path(&self) -> &str {
         // An error of a part has the part before it
-        let whole = if self.source.part.is_some() { "it" } else { "a scene" };
-        if self.path.is_empty() { whole } else { &self.path }
+        if self.path.is_empty() { self.source.whole } else { &self.path }
     }
 
     /// Dotted path of a key.
