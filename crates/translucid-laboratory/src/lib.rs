@@ -1,5 +1,6 @@
 //! Comparisons of reflectance profiles and of rendered pictures, drawn as figures and laid out as pages.
 //!
+//! - [`colorimetry`]: colors of spectra.
 //! - [`comparison`]: the numbers, of every model against the exact solution.
 //! - [`figures`]: the charts, tables and the page of a comparison.
 //! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG
@@ -31,6 +32,7 @@
 //! Writing files: everything here returns text or bytes.
 
 mod chart;
+pub mod colorimetry;
 pub mod comparison;
 mod data_table;
 mod drawing;

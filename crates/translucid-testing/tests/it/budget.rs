@@ -16,7 +16,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-files", 200),
     ("translucid-fit", 1200),
     ("translucid-image", 800),
-    ("translucid-laboratory", 4200),
+    ("translucid-laboratory", 4440),
     ("translucid-load", 12800),
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
