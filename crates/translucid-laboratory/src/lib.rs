@@ -8,6 +8,7 @@
 //! - [`Ink`]: the subject of a series; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
+//! - [`stack`]: colors of plane layers over grounds, and swatches of them.
 //! - [`residual_chart`]: what fits to a table leave over.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
@@ -43,6 +44,7 @@ mod model_pages;
 mod page;
 pub mod picture;
 mod random;
+pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
 pub use data_table::{Cell, DataTable};
