@@ -1,8 +1,7 @@
 //! The file of a stack: that of layers, with values over wavelengths or channels, and the grounds below.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use translucid_laboratory::colorimetry::{WAVELENGTHS, wavelength};
 use translucid_load::load_toml;
 use translucid_reference::layers::{Ground, Layer, Layers};
 use translucid_scene::description::{Item, Table};
@@ -11,30 +10,30 @@ use translucid_scene::{Interval, SceneError};
 use super::spectra::Spectra;
 use crate::reference::LayersReader;
 
-/// Layers over grounds, channel by channel: one, red, green and blue, or [`WAVELENGTHS`].
+/// Layers over a ground, channel by channel: one, red, green and blue, or those of a spectrum.
 pub(super) struct Stack {
-    /// Over the ground that the file states, air if it states none.
-    pub(super) below: Vec<Layers>,
-    /// Over black and over white, with the reflectances of these grounds; none below an endless layer.
-    pub(super) grounds: Option<[(Vec<f64>, Vec<Layers>); 2]>,
-    /// Values that hold beyond their tables, in words.
-    pub(super) notes: Vec<String>,
+    /// `black`, `white` or, of the file's own, `below`.
+    pub(super) ground: &'static str,
+    /// Reflectances of the ground without layers.
+    pub(super) bare: Vec<f64>,
+    pub(super) layers: Vec<Layers>,
 }
 
-/// Name of one of several channels.
-pub(super) fn channel_name(channel: usize, count: usize) -> String {
-    match count {
-        1 => String::from("all"),
-        3 => String::from(["red", "green", "blue"][channel]),
-        _ => wavelength(channel).to_string(),
-    }
+/// A file that has been read.
+pub(super) struct StackFile {
+    /// Over black, over white and over the file's own ground; over that alone if the last layer is endless.
+    pub(super) stacks: Vec<Stack>,
+    /// Values that hold beyond their tables, in words.
+    pub(super) notes: Vec<String>,
+    /// Files of tables.
+    pub(super) files: Vec<PathBuf>,
 }
 
 /// Reads a file, and all that it names.
 ///
 /// # Errors
 /// A file cannot be read, or a key or value is wrong, at which the error points.
-pub(super) fn read(path: &Path) -> Result<Stack, SceneError> {
+pub(super) fn read(path: &Path) -> Result<StackFile, SceneError> {
     let (source, entries) = load_toml(path)?;
     let [above, layer, below] = LayersReader::KEYS;
     let root = Table::root(&source, &entries).allow(&[above, layer, below, "grounds"])?;
@@ -47,58 +46,42 @@ pub(super) fn read(path: &Path) -> Result<Stack, SceneError> {
     };
     // The first channel's values tell how many there are
     read(0)?;
-    let count = spectra.count();
-    let mut stack = Stack { below: Vec::new(), grounds: Some(Default::default()), notes: Vec::new() };
-    for channel in 0..count {
-        let (layers, grounds) = read(channel).map_err(|error| named(error, channel, count))?;
-        if layers.ground() == Ground::None {
-            stack.grounds = None;
+    let mut stacks =
+        ["black", "white", "below"].map(|ground| Stack { ground, bare: Vec::new(), layers: Vec::new() });
+    for channel in 0..spectra.count() {
+        let (layers, (reflectances, has_air)) = read(channel)?;
+        if let (Ground::None, Some(item)) = (layers.ground(), root.get("grounds")) {
+            return Err(
+                item.error("grounds lie below a layer with a thickness, but the last layer is endless")
+            );
         }
-        for ((reflectances, over), reflectance) in
-            stack.grounds.iter_mut().flatten().zip(grounds.reflectances)
-        {
-            reflectances.push(reflectance);
-            over.push(put_on(&layers, reflectance, grounds.has_air).map_err(|error| root.error(error))?);
+        for (stack, reflectance) in stacks.iter_mut().zip(reflectances) {
+            if layers.ground() != Ground::None {
+                let over = put_on(&layers, reflectance, has_air).map_err(|error| root.error(error))?;
+                stack.layers.push(over);
+            }
+            stack.bare.push(reflectance);
         }
-        stack.below.push(layers);
+        let own = if let Ground::Lambertian { reflectance } = layers.ground() { reflectance } else { 0.0 };
+        stacks[2].bare.push(own);
+        stacks[2].layers.push(layers);
     }
-    stack.notes = spectra.notes.into_inner();
-    Ok(stack)
+    let stacks = stacks.into_iter().filter(|stack| !stack.layers.is_empty()).collect();
+    Ok(StackFile { stacks, notes: spectra.notes.take(), files: spectra.files.take() })
 }
 
-/// An error of one of several channels.
-fn named(error: SceneError, channel: usize, count: usize) -> SceneError {
-    let unit = if count == WAVELENGTHS { " nm" } else { "" };
-    match count {
-        1 => error,
-        _ => SceneError {
-            message: format!("{}{unit}: {}", channel_name(channel, count), error.message),
-            ..error
-        },
-    }
-}
-
-/// The table `grounds`.
-struct Grounds {
-    /// Of black and white.
-    reflectances: [f64; 2],
-    /// Whether they lie below a layer of air.
-    has_air: bool,
-}
-
+/// The table `grounds`: reflectances of black and white, and whether they lie below a layer of air.
 fn read_grounds(
     root: &Table<'_>,
     number: &dyn Fn(&Item<'_>, Interval) -> Result<f64, SceneError>,
-) -> Result<Grounds, SceneError> {
+) -> Result<([f64; 2], bool), SceneError> {
     let Some(item) = root.get("grounds") else {
-        return Ok(Grounds { reflectances: [0.0, 1.0], has_air: false });
+        return Ok(([0.0, 1.0], false));
     };
     let table = item.table()?.allow(&["black", "white", "contact"])?;
     let reflectance = |key, default| table.read(key, default, |item| number(item, Interval::UNIT));
-    Ok(Grounds {
-        reflectances: [reflectance("black", 0.0)?, reflectance("white", 1.0)?],
-        has_air: table.read("contact", false, |item| item.word_of(&[("optical", false), ("air", true)]))?,
-    })
+    let has_air = table.read("contact", false, |item| item.word_of(&[("optical", false), ("air", true)]))?;
+    Ok(([reflectance("black", 0.0)?, reflectance("white", 1.0)?], has_air))
 }
 
 /// The layers on another ground, with air between them or not.
@@ -107,14 +90,4 @@ fn put_on(layers: &Layers, reflectance: f64, has_air: bool) -> Result<Layers, St
     let all = layers.layers().iter().cloned().chain(air).collect();
     Layers::new(layers.eta_above(), all, Ground::Lambertian { reflectance })
         .map_err(|error| error.to_string())
-}
-
-/// What the ground of layers reflects without them.
-pub(super) fn bare_reflectance(layers: &Layers) -> f64 {
-    if let Ground::Lambertian { reflectance } = layers.ground() { reflectance } else { 0.0 }
-}
-
-/// Whether light leaves below.
-pub(super) fn lets_through(channels: &[Layers]) -> bool {
-    channels.iter().all(|layers| matches!(layers.ground(), Ground::Medium { .. }))
 }

@@ -1,100 +1,50 @@
 //! Colors as CSV, JSON, text for people, and swatches.
 
+use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use clap::ValueEnum;
-use translucid_files::check_writable;
 use translucid_laboratory::Cell;
+use translucid_laboratory::colorimetry::wavelength;
 use translucid_laboratory::stack::{Field, Swatch};
 
-use super::file::channel_name;
-use super::{Contrast, Row, StackArguments, is_picture};
+use super::{ERROR, Row, StackArguments, contrast, kubelka_munk_words};
 use crate::failure::Failure;
 use crate::files::write_file;
-use crate::table::{TableFormat, print};
+use crate::table::print;
 
-/// How colors are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum OutputFormat {
-    /// Comma-separated values after a header line
-    Csv,
-    /// An array with one object a row
-    Json,
-    /// For people
-    Text,
-}
-
-const COLUMNS: [&str; 17] = [
-    "ground",
-    "reflectance",
-    "transmittance",
-    "X",
-    "Y",
-    "Z",
-    "L",
-    "a",
-    "b",
-    "srgb",
-    "in_srgb",
-    "error",
-    "kubelka_munk_reflectance",
-    "kubelka_munk_delta_e",
-    "tp_ab",
-    "tp_2000",
-    "contrast_ratio",
-];
+const COLUMNS: &str = "ground,reflectance,transmittance,X,Y,Z,L,a,b,srgb,in_srgb,error,kubelka_munk_reflectance,\
+                       kubelka_munk_delta_e,tp_ab,tp_2000,contrast_ratio";
 
 /// Writes the table to a file or stdout, and the swatch if a picture is asked for.
-pub(super) fn write(arguments: &StackArguments, rows: &[Row], contrast: &Contrast) -> Result<(), Failure> {
-    let conditions = arguments.conditions(rows[0].measured.reflectance.len());
-    let (columns, cells) = if arguments.channels { channels(rows) } else { colors(rows, contrast) };
-    let text = match arguments.format {
-        OutputFormat::Csv => TableFormat::Csv.text(&columns, &cells),
-        OutputFormat::Json => TableFormat::Json.text(&columns, &cells),
-        OutputFormat::Text if arguments.channels => {
-            return Err(Failure::input("--channels is a table, which --format text does not print")
-                .with_help("use --format csv or json"));
-        }
-        OutputFormat::Text => paragraph(rows, contrast, &conditions),
-    };
+pub(super) fn write(arguments: &StackArguments, rows: &[Row], conditions: &str) -> Result<(), Failure> {
+    let (columns, cells) = if arguments.channels { channels(rows) } else { colors(rows) };
+    let text = arguments.format.text(&columns, &cells, || paragraph(rows, conditions));
     let Some(path) = &arguments.output else { return print(&text) };
-    check_writable(path)?;
-    let failed = |error: std::io::Error| Failure::work(format!("cannot draw the swatch: {error}"));
-    if is_picture(path, "svg") {
-        write_file(
-            path,
-            swatch(&arguments.file, rows, contrast, &conditions).svg().map_err(failed)?.as_bytes(),
-        )?;
-    } else if is_picture(path, "png") {
-        write_file(path, &swatch(&arguments.file, rows, contrast, &conditions).png().map_err(failed)?)?;
-    } else {
-        return write_file(path, text.as_bytes());
-    }
+    let swatch = || swatch(&arguments.file, rows, conditions);
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let picture = match extension.as_deref().and_then(OsStr::to_str) {
+        Some("svg") => swatch().svg().map(String::into_bytes),
+        Some("png") => swatch().png(),
+        _ => return write_file(path, text.as_bytes()),
+    };
+    write_file(path, &picture.map_err(|error| Failure::work(format!("cannot draw the swatch: {error}")))?)?;
     print(&text)
 }
 
 type Cells = (Vec<String>, Vec<Vec<Cell>>);
 
-fn colors(rows: &[Row], contrast: &Contrast) -> Cells {
+fn colors(rows: &[Row]) -> Cells {
     let cells = |row: &Row| {
         let color = row.color;
         let numbers = [color.xyz[1] / 100.0, row.transmittance].into_iter().chain(color.xyz).chain(color.lab);
-        let mut cells = vec![Cell::from(row.ground)];
-        cells.extend(numbers.map(Cell::Number));
-        cells.extend([Cell::from(color.hex()), Cell::from(if color.is_in_srgb() { "yes" } else { "no" })]);
-        let rest = [
-            row.error,
-            row.kubelka_munk.xyz[1] / 100.0,
-            row.kubelka_munk_delta_e(),
-            contrast.tp_ab,
-            contrast.tp_2000,
-            contrast.ratio,
-        ];
-        cells.extend(rest.map(Cell::Number));
-        cells
+        let words = [color.hex(), String::from(if color.is_in_srgb() { "yes" } else { "no" })];
+        let rest = [row.error, row.kubelka_munk.xyz[1] / 100.0, row.kubelka_munk_delta_e()];
+        let head = std::iter::once(Cell::from(row.ground)).chain(numbers.map(Cell::Number));
+        let tail = rest.into_iter().chain(contrast(rows)).map(Cell::Number);
+        head.chain(words.map(Cell::Word)).chain(tail).collect()
     };
-    (COLUMNS.map(str::to_owned).to_vec(), rows.iter().map(cells).collect())
+    (COLUMNS.split(',').map(str::to_owned).collect(), rows.iter().map(cells).collect())
 }
 
 /// Reflectances by channel, a column for each ground, then the transmittance and the greatest error.
@@ -105,8 +55,8 @@ fn channels(rows: &[Row]) -> Cells {
     columns.extend(["transmittance", "error"].map(str::to_owned));
     let own = &rows[rows.len() - 1];
     let cells = |i: usize| {
-        let name = channel_name(i, count);
-        let mut cells = vec![name.parse().map_or(Cell::Word(name), Cell::Number)];
+        let name = if count == 3 { ["red", "green", "blue"][i] } else { "all" };
+        let mut cells = vec![if count > 3 { Cell::Number(wavelength(i)) } else { Cell::from(name) }];
         cells.extend(rows.iter().map(|row| Cell::Number(row.measured.reflectance[i])));
         // As in the table of colors, no number over a ground
         cells.push(Cell::Number(own.measured.transmittance[i] + 0.0 * own.transmittance));
@@ -117,7 +67,7 @@ fn channels(rows: &[Row]) -> Cells {
 }
 
 /// Lines for people.
-fn paragraph(rows: &[Row], contrast: &Contrast, conditions: &str) -> String {
+fn paragraph(rows: &[Row], conditions: &str) -> String {
     let mut text = format!(
         "{:<7}{:>12}{:>15}  L*, a*, b*                 sRGB\n",
         "over", "reflectance", "transmittance"
@@ -136,21 +86,18 @@ fn paragraph(rows: &[Row], contrast: &Contrast, conditions: &str) -> String {
             if row.color.is_in_srgb() { "" } else { " (nearest)" }
         );
     }
-    if let Some(line) = words(contrast) {
+    for line in contrast_words(rows).into_iter().chain(kubelka_munk_words(rows, 0.0)) {
         let _ = writeln!(text, "{line}");
     }
-    let distances: Vec<String> =
-        rows.iter().map(|row| format!("{:.2} over {}", row.kubelka_munk_delta_e(), row.place())).collect();
-    let _ =
-        writeln!(text, "Kubelka-Munk with Saunderson's correction is off by ΔE*ab {}", distances.join(", "));
     let error = rows.iter().map(|row| row.error).fold(0.0, f64::max);
-    let _ = writeln!(text, "{conditions}; numerical errors up to {error:.0e} ΔE*ab");
+    let error = if error < ERROR { format!("{error:.0e}") } else { format!("{error:.2}") };
+    let _ = writeln!(text, "{conditions}; numerical errors up to {error} ΔE*ab");
     text
 }
 
 /// TP and contrast ratio in words, if there are any.
-fn words(contrast: &Contrast) -> Option<String> {
-    let Contrast { tp_ab, tp_2000, ratio } = contrast;
+fn contrast_words(rows: &[Row]) -> Option<String> {
+    let [tp_ab, tp_2000, ratio] = contrast(rows);
     let ratio = if ratio.is_nan() { String::new() } else { format!(", contrast ratio {ratio:.3}") };
     (!tp_ab.is_nan()).then(|| format!("TP {tp_ab:.2} ΔE*ab, {tp_2000:.2} CIEDE2000{ratio}"))
 }
@@ -161,7 +108,7 @@ fn lab(row: &Row) -> String {
     format!("{l:.2}, {a:.2}, {b:.2}")
 }
 
-fn swatch(file: &Path, rows: &[Row], contrast: &Contrast, conditions: &str) -> Swatch {
+fn swatch(file: &Path, rows: &[Row], conditions: &str) -> Swatch {
     let field = |row: &Row| {
         let nearest = if row.color.is_in_srgb() { "" } else { ", the nearest color of sRGB" };
         let mut lines = vec![
@@ -175,6 +122,6 @@ fn swatch(file: &Path, rows: &[Row], contrast: &Contrast, conditions: &str) -> S
         Field { name: format!("over {}", row.place()), ground: row.bare, layers: row.color, lines }
     };
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let lines = words(contrast).into_iter().chain([conditions.to_owned()]);
+    let lines = contrast_words(rows).into_iter().chain([conditions.to_owned()]);
     Swatch { title: name, lines: lines.collect(), fields: rows.iter().map(field).collect() }
 }

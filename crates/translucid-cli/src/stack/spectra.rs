@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, Trim};
 use translucid_laboratory::colorimetry::{WAVELENGTHS, wavelength};
@@ -14,7 +14,8 @@ use crate::table::exact;
 /// Wavelengths that a table may have, and those that it must cover \[nm\].
 const ALLOWED: Interval = Interval::closed(100.0, 1e5);
 const NEEDED: [f64; 2] = [400.0, 700.0];
-/// Most rows of a table, and bytes of a file of it.
+const UNIT: &str = "wavelengths are in nanometers";
+/// Most rows of a table in the file itself, and bytes of one beside it.
 const MOST_ROWS: usize = 100_000;
 const MOST_BYTES: u64 = 1 << 24;
 
@@ -38,6 +39,8 @@ pub(super) struct Spectra {
     pub(super) channel: Cell<usize>,
     /// Values that hold beyond their tables, in words.
     pub(super) notes: RefCell<Vec<String>>,
+    /// Files of tables.
+    pub(super) files: RefCell<Vec<PathBuf>>,
 }
 
 impl Spectra {
@@ -58,6 +61,9 @@ impl Spectra {
         if !self.values.borrow().contains_key(item.path()) {
             let values = read(item, range)?;
             self.admit(item, &values)?;
+            if let Content::Text(_) = item.content() {
+                self.files.borrow_mut().push(item.file()?);
+            }
             self.values.borrow_mut().insert(item.path().to_owned(), values);
         }
         let channel = self.channel.get();
@@ -132,7 +138,8 @@ fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneE
     }
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for (wavelength, value) in wavelengths.iter().zip(&values) {
-        let row = [wavelength.double(ALLOWED)?, value.double(range)?];
+        let nanometers = wavelength.double(ALLOWED).map_err(|error| error.with_help(UNIT))?;
+        let row = [nanometers, value.double(range)?];
         if let Some([before, _]) = rows.last().filter(|before| before[0] >= row[0]) {
             return Err(wavelength.refuse(&format!("greater than {}, the one before it", exact(*before))));
         }
@@ -185,30 +192,24 @@ fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f
             let number = text.parse().ok().filter(|number| range.contains(*number));
             number.ok_or_else(|| fail(format!("{name} is {text}, but must be in {range}")))
         };
-        let row = [number(wavelengths, ALLOWED)?, number(values, range)?];
+        let nanometers = number(wavelengths, ALLOWED).map_err(|error| error.with_help(UNIT))?;
+        let row = [nanometers, number(values, range)?];
         if let Some([before, _]) = rows.last().filter(|before| before[0] >= row[0]) {
             let [found, before] = [row[0], *before].map(exact);
             return Err(fail(format!(
                 "wavelength is {found}, but must be greater than {before}, the one before it"
             )));
         }
-        if rows.len() == MOST_ROWS {
-            return Err(fail(format!("at most {MOST_ROWS} rows are read")));
-        }
         rows.push(row);
     }
     Ok(rows)
 }
 
-/// The value at a wavelength: between rows linear, beyond them that of the nearest.
+/// The value at a wavelength: between rows linear, beyond them that of the nearest. There are two rows at least.
 fn interpolate(rows: &[[f64; 2]], wavelength: f64) -> f64 {
-    let above = rows.partition_point(|[at, _]| *at <= wavelength);
-    match (above.checked_sub(1).map(|below| rows[below]), rows.get(above)) {
-        (Some([_, value]), None) => value,
-        (None, Some([_, value])) => *value,
-        (Some([from, a]), Some([to, b])) => a + (b - a) * ((wavelength - from) / (to - from)),
-        (None, None) => f64::NAN,
-    }
+    let above = rows.partition_point(|[at, _]| *at <= wavelength).clamp(1, rows.len() - 1);
+    let [[from, a], [to, b]] = [rows[above - 1], rows[above]];
+    a + (b - a) * ((wavelength - from) / (to - from)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
