@@ -11,7 +11,7 @@ use translucid_profile::convention::{ArgumentNames, Conversion, conversion_syste
 use crate::failure::Failure;
 use crate::messages;
 use crate::model::{ConfigurationName, UnitName};
-use crate::table::print;
+use crate::table::{ReadableFormat, print};
 
 const EXAMPLES: &str = "\
 Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps),
@@ -69,7 +69,7 @@ pub(crate) struct ConvertArguments {
     output: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "csv")]
-    format: output::SettingFormat,
+    format: ReadableFormat,
 }
 
 /// Runs the verb.

@@ -27,6 +27,7 @@ mod radii;
 mod reference;
 mod render;
 mod sample;
+mod stack;
 mod table;
 mod view;
 
@@ -65,6 +66,7 @@ enum Verb {
     Profile(profile::ProfileArguments),
     Sample(sample::SampleArguments),
     Reference(reference::ReferenceArguments),
+    Stack(stack::StackArguments),
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
@@ -86,6 +88,7 @@ Examples:
   translucid view bust.glb --preset marble
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
+  translucid stack tooth.toml -o tooth.svg
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
@@ -239,6 +242,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Profile(arguments) => profile::run(&arguments),
         Verb::Sample(arguments) => sample::run(&arguments),
         Verb::Reference(arguments) => reference::run(&arguments),
+        Verb::Stack(arguments) => stack::run(&arguments),
         Verb::Fit(arguments) => fit::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Convert(arguments) => convert::run(&arguments),

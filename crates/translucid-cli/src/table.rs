@@ -32,6 +32,33 @@ pub(crate) enum TableFormat {
     Json,
 }
 
+/// Formats of a table that people may read, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReadableFormat {
+    /// Comma-separated values after a header line
+    Csv,
+    /// An array with one object a row
+    Json,
+    /// For people, numbers rounded
+    Text,
+}
+
+impl ReadableFormat {
+    /// The text of a table; `words` makes the one for people.
+    pub(crate) fn text(
+        self,
+        columns: &[impl AsRef<str>],
+        rows: &[Vec<Cell>],
+        words: impl FnOnce() -> String,
+    ) -> String {
+        match self {
+            Self::Csv => TableFormat::Csv.text(columns, rows),
+            Self::Json => TableFormat::Json.text(columns, rows),
+            Self::Text => words(),
+        }
+    }
+}
+
 impl TableArguments {
     /// The file, where its name ends in `.npz`: it is not for text.
     pub(crate) fn npz(&self) -> Option<&Path> {

@@ -1,5 +1,6 @@
 //! Comparisons of reflectance profiles and of rendered pictures, drawn as figures and laid out as pages.
 //!
+//! - [`colorimetry`]: colors of spectra.
 //! - [`comparison`]: the numbers, of every model against the exact solution.
 //! - [`figures`]: the charts, tables and the page of a comparison.
 //! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG
@@ -7,6 +8,7 @@
 //! - [`Ink`]: the subject of a series; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
+//! - [`stack`]: colors of plane layers over grounds, and swatches of them.
 //! - [`residual_chart`]: what fits to a table leave over.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
@@ -31,6 +33,7 @@
 //! Writing files: everything here returns text or bytes.
 
 mod chart;
+pub mod colorimetry;
 pub mod comparison;
 mod data_table;
 mod drawing;
@@ -41,6 +44,7 @@ mod model_pages;
 mod page;
 pub mod picture;
 mod random;
+pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
 pub use data_table::{Cell, DataTable};

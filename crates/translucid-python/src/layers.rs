@@ -1,6 +1,7 @@
 //! `translucid.reference`: plane layers.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -20,6 +21,9 @@ use crate::{long_work, names};
 
 const RADII: Rule<'_> = Rule::new("r", "greater than 0", f64::MIN_POSITIVE, f64::MAX);
 const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 89.99]", 0.0, 89.99);
+/// Inversions by the bits of g: each takes some 0.1 s.
+type Inversions = HashMap<u64, AlbedoInversion>;
+
 /// Keys of a layer that have a number each.
 const KEYS: [&str; 7] = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "eta"];
 /// The key of a layer that has a list.
@@ -135,13 +139,14 @@ impl<'py> Stacks<'py> {
         let own = self.arguments.len()
             - usize::from(self.arguments.last().is_some_and(|(name, _)| name == RADII.name));
         let (mut known, mut stacks, mut places) = (HashMap::new(), Vec::new(), Vec::new());
+        let mut inversions = Inversions::new();
         for element in 0..shape.iter().product() {
             let bits: Vec<u64> = columns[..own].iter().map(|column| column[element].to_bits()).collect();
             let next = stacks.len();
             let place = *known.entry(bits).or_insert(next);
             if place == next {
                 let values: Vec<f64> = columns.iter().map(|column| column[element]).collect();
-                let stack = self.stack(&values).map_err(|error| {
+                let stack = self.stack(&values, &mut inversions).map_err(|error| {
                     let index = crate::profiles::index_of(element, shape);
                     let place =
                         if index.is_empty() { String::new() } else { format!(" (at index {index:?})") };
@@ -154,7 +159,7 @@ impl<'py> Stacks<'py> {
         Ok((stacks, places))
     }
 
-    fn stack(&self, values: &[f64]) -> Result<Layers, LayersError> {
+    fn stack(&self, values: &[f64], inversions: &mut Inversions) -> Result<Layers, LayersError> {
         let mut layers = Vec::with_capacity(self.layers.len());
         for (number, keys) in self.layers.iter().enumerate() {
             let within = |error: ParameterError| LayersError { layer: Some(number), error };
@@ -162,11 +167,15 @@ impl<'py> Stacks<'py> {
                 keys.places.map(|place| place.map(|place| values[place]));
             let (thickness, g) = (thickness.unwrap_or(f64::INFINITY), g.unwrap_or(0.0));
             let layer = match (scattering.zip(absorption), surface_albedo.zip(mfp)) {
-                (_, Some((albedo, mfp))) => AlbedoInversion::new(g, 1.0, Configuration::Diffuse)
-                    .and_then(|inversion| {
-                        Layer::from_surface_albedo(&inversion, albedo, mfp, Parameterization::Mfp, thickness)
-                    })
-                    .map_err(within)?,
+                (_, Some((albedo, mfp))) => {
+                    let inversion = match inversions.entry(g.to_bits()) {
+                        Entry::Occupied(known) => known.into_mut(),
+                        Entry::Vacant(place) => place
+                            .insert(AlbedoInversion::new(g, 1.0, Configuration::Diffuse).map_err(within)?),
+                    };
+                    Layer::from_surface_albedo(inversion, albedo, mfp, Parameterization::Mfp, thickness)
+                        .map_err(within)?
+                }
                 (coefficients, None) => {
                     let (scattering, absorption) = coefficients.unwrap_or_default();
                     Layer::new(scattering, absorption, thickness).with_g(g)

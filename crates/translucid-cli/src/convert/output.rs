@@ -3,38 +3,22 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use clap::ValueEnum;
 use translucid_files::check_writable;
 use translucid_laboratory::Cell;
 use translucid_profile::convention::{ConvertedNumber, LengthUnit, Role, System};
 
 use crate::failure::Failure;
 use crate::files::write_file;
-use crate::table::{TableFormat, exact, print};
-
-/// How rows are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SettingFormat {
-    /// Comma-separated values after a header line
-    Csv,
-    /// An array with one object a row
-    Json,
-    /// For people: a paragraph for each system, six digits
-    Text,
-}
+use crate::table::{ReadableFormat, exact, print};
 
 /// Writes the rows to a file or to stdout.
 pub(super) fn write(
     rows: &[ConvertedNumber],
-    format: SettingFormat,
+    format: ReadableFormat,
     path: Option<&Path>,
 ) -> Result<(), Failure> {
-    let cells = || rows.iter().map(|row| cells(row).to_vec()).collect::<Vec<_>>();
-    let text = match format {
-        SettingFormat::Csv => TableFormat::Csv.text(&COLUMNS, &cells()),
-        SettingFormat::Json => TableFormat::Json.text(&COLUMNS, &cells()),
-        SettingFormat::Text => paragraphs(rows),
-    };
+    let cells: Vec<Vec<Cell>> = rows.iter().map(|row| cells(row).to_vec()).collect();
+    let text = format.text(&COLUMNS, &cells, || paragraphs(rows));
     let Some(path) = path else { return print(&text) };
     check_writable(path)?;
     write_file(path, text.as_bytes())

@@ -9,6 +9,7 @@ mod merging;
 mod photons;
 mod walk_method;
 
+pub(crate) use layers_file::LayersReader;
 pub(crate) use merging::merge_tables;
 pub(crate) use photons::parse_photons;
 

@@ -3,11 +3,12 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 11] = [
+const VERBS: [&str; 12] = [
     "render",
     "profile",
     "sample",
     "reference",
+    "stack",
     "fit",
     "compare",
     "convert",

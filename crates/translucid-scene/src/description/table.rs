@@ -413,6 +413,14 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// The values of an array of at most `limit`; `what` names them in the message.
+    pub fn list(&self, what: &str, limit: usize) -> Result<Vec<Item<'a>>, SceneError> {
+        let Content::List(list) = self.content() else {
+            return Err(self.mismatch(&format!("an array of {what}")));
+        };
+        self.elements_within(list, limit)
+    }
+
     /// A table, or those of an array of one or more.
     pub fn one_or_more_tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
         match self.content() {
