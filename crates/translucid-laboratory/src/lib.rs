@@ -9,6 +9,7 @@
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`residual_chart`]: what fits to a table leave over.
+//! - [`skin`]: pigments → layers → color and medium.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
 //! ```
@@ -43,6 +44,7 @@ mod model_pages;
 mod page;
 pub mod picture;
 mod random;
+pub mod skin;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
 pub use data_table::{Cell, DataTable};

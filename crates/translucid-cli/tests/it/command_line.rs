@@ -3,7 +3,7 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 11] = [
+const VERBS: [&str; 12] = [
     "render",
     "profile",
     "sample",
@@ -12,6 +12,7 @@ const VERBS: [&str; 11] = [
     "compare",
     "convert",
     "export",
+    "skin",
     "view",
     "models",
     "completions",
