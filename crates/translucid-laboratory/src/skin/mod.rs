@@ -13,8 +13,10 @@
 
 mod medium;
 mod pigments;
+mod table;
 
 pub use medium::SkinMedium;
+pub use table::SkinTable;
 
 use rayon::prelude::*;
 use translucid_profile::{ParameterError, require};
