@@ -1,6 +1,8 @@
 //! `translucid skin`: human skin from its pigments.
 
-use std::path::Path;
+mod textures;
+
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
@@ -32,11 +34,15 @@ surface reflects.
 --what spectrum: light reflected and absorbed from 380 to 780 nm.
 --what profile: the part of the light that leaves within a radius, by channel.
 
+With --melanin-texture and --blood-texture the directory -o gets surface_albedo.exr and mfp.exr, linear and in mm, and
+material.toml, which has both. Media are computed for some tens of skins and interpolated; the message gives the errors.
+
 Examples:
   translucid skin --tone III
   translucid skin --tone V --what material
   translucid skin --melanin 0.02 --blood 0.01 --what color
-  translucid skin --tone I --blood 0.007 --configuration searchlight --what spectrum --format json";
+  translucid skin --tone I --blood 0.007 --configuration searchlight --what spectrum --format json
+  translucid skin --melanin 0.2 --melanin-texture freckles.png -o textures";
 
 /// Models human skin: pigments become a color, spectra, and a medium for renderers
 #[derive(Args, Debug)]
@@ -87,6 +93,12 @@ pub(crate) struct SkinArguments {
     /// Number of threads [default: one per processor]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    /// Picture of melanin, whose red channel times --melanin is the melanin at each pixel; -o names a directory for textures
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["what", "configuration", "format"])]
+    melanin_texture: Option<PathBuf>,
+    /// The same of blood
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["what", "configuration", "format"])]
+    blood_texture: Option<PathBuf>,
     #[command(flatten)]
     table: TableArguments,
 }
@@ -107,6 +119,9 @@ enum What {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &SkinArguments) -> Result<(), Failure> {
+    if arguments.melanin_texture.is_some() || arguments.blood_texture.is_some() {
+        return textures::run(arguments);
+    }
     arguments.table.refuse_npz()?;
     arguments.table.check()?;
     let skin = Skin::new(arguments.parameters()).map_err(refused)?;
@@ -165,16 +180,21 @@ impl SkinArguments {
     fn print_material(&self, medium: &SkinMedium) -> Result<(), Failure> {
         let longest = medium.mfp.iter().copied().fold(0.0, f64::max);
         let list = |numbers: [f64; 3]| numbers.map(|number| format!("{number:.4}")).join(", ");
-        let text = format!(
-            "# {}; lengths are in mm: unit = \"mm\"\n[[material]]\nname = \"skin\"\nsubsurface_weight = 1\n\
-             subsurface_color = [{}]\nsubsurface_radius = {longest:.4}\nsubsurface_radius_scale = [{}]\n\
-             specular_ior = {}\n",
-            crate::command_line::shown(),
-            list(medium.surface_albedo),
-            list(medium.mfp.map(|mfp| mfp / longest)),
-            exact(self.eta),
-        );
+        let color = format!("[{}]", list(medium.surface_albedo));
+        let scale = format!("[{}]", list(medium.mfp.map(|mfp| mfp / longest)));
+        let text = self.material(&color, longest, &scale);
         write_text(&text, self.table.file())
+    }
+
+    /// Material of a scene file.
+    fn material(&self, color: &str, radius: f64, radius_scale: &str) -> String {
+        format!(
+            "# {}; lengths are in mm: unit = \"mm\"\n[[material]]\nname = \"skin\"\nsubsurface_weight = 1\n\
+             subsurface_color = {color}\nsubsurface_radius = {radius:.4}\n\
+             subsurface_radius_scale = {radius_scale}\nspecular_ior = {}\n",
+            crate::command_line::shown(),
+            exact(self.eta),
+        )
     }
 
     fn print_spectrum(&self, skin: &Skin) -> Result<(), Failure> {
