@@ -2,12 +2,12 @@
 
 mod textures;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use translucid_laboratory::Cell;
-use translucid_laboratory::colorimetry::{Colorimeter, Illuminant, Observer, WAVELENGTHS, wavelength};
+use translucid_laboratory::colorimetry::{Colorimeter, Illuminant, Observer, wavelength};
 use translucid_laboratory::skin::{Skin, SkinMedium, SkinParameters, TONES};
 use translucid_profile::{Configuration, ParameterError};
 use translucid_reference::Incidence;
@@ -29,8 +29,8 @@ with isotropic scattering, in diffuse light. The albedo is exactly the skin's. T
 within any radius as equal as it gets: deviation is the greatest difference, standard_error a bound on that of the walk in it,
 both as parts of the albedo.
 --what material: the same as a material of a scene file.
---what color: XYZ, CIELAB, individual typology angle and sRGB under D65 for the observer of 1931, with and without what the
-surface reflects.
+--what color: XYZ, CIELAB, individual typology angle in degrees and sRGB under D65 for the observer of 1931, with and
+without what the surface reflects.
 --what spectrum: light reflected and absorbed from 380 to 780 nm.
 --what profile: the part of the light that leaves within a radius, by channel.
 
@@ -117,6 +117,12 @@ enum What {
     Profile,
 }
 
+#[rustfmt::skip]
+const SPECTRUM_COLUMNS: [&str; 7] = [
+    "wavelength_nm", "specular_reflectance", "diffuse_reflectance",
+    "absorbed_by_epidermis", "absorbed_by_dermis", "absorbed_by_subcutis", "error",
+];
+
 /// Runs the verb.
 pub(crate) fn run(arguments: &SkinArguments) -> Result<(), Failure> {
     if arguments.melanin_texture.is_some() || arguments.blood_texture.is_some() {
@@ -183,7 +189,7 @@ impl SkinArguments {
         let color = format!("[{}]", list(medium.surface_albedo));
         let scale = format!("[{}]", list(medium.mfp.map(|mfp| mfp / longest)));
         let text = self.material(&color, longest, &scale);
-        write_text(&text, self.table.file())
+        self.table.file().map_or_else(|| print(&text), |path| write_file(path, text.as_bytes()))
     }
 
     /// Material of a scene file.
@@ -198,53 +204,31 @@ impl SkinArguments {
     }
 
     fn print_spectrum(&self, skin: &Skin) -> Result<(), Failure> {
-        let columns = [
-            "wavelength_nm",
-            "specular_reflectance",
-            "diffuse_reflectance",
-            "absorbed_by_epidermis",
-            "absorbed_by_dermis",
-            "absorbed_by_subcutis",
-            "error",
-        ];
         let totals = self.totals(skin)?;
         let rows = totals.iter().enumerate().map(|(i, totals)| {
             let absorbed = |layer: usize| totals.absorbed.get(layer).copied().unwrap_or(0.0);
             let [specular, diffuse] = [totals.specular_reflectance, totals.diffuse_reflectance];
             [wavelength(i), specular, diffuse, absorbed(0), absorbed(1), absorbed(2), totals.error]
         });
-        self.table.write(columns, rows)
+        self.table.write(SPECTRUM_COLUMNS, rows)
     }
 
     fn print_color(&self, skin: &Skin) -> Result<(), Failure> {
-        let columns = ["surface", "x", "y", "z", "l", "a", "b", "ita", "red", "green", "blue"];
         let totals = self.totals(skin)?;
         let eye = Colorimeter::new(Observer::TwoDegrees, Illuminant::D65);
-        let rows = [("included", 1.0), ("excluded", 0.0)].map(|(surface, part)| {
+        let [with, without] = [1.0, 0.0].map(|part| {
             let light = |i: usize| totals[i].diffuse_reflectance + part * totals[i].specular_reflectance;
-            let spectrum: [f64; WAVELENGTHS] = std::array::from_fn(light);
-            let xyz = eye.xyz(&spectrum);
+            let xyz = eye.xyz(&std::array::from_fn(light));
             let [lightness, a, b] = eye.lab(xyz);
             let angle = f64::atan2(lightness - 50.0, b).to_degrees();
-            let numbers =
-                xyz.into_iter().chain([lightness, a, b, angle]).chain(eye.linear_srgb(xyz).map(encoded));
-            let mut numbers = numbers.map(Cell::from);
-            let mut cell = || numbers.next().unwrap_or(Cell::Number(f64::NAN));
-            [
-                Cell::from(surface),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-                cell(),
-            ]
+            let [red, green, blue] = eye.linear_srgb(xyz).map(encoded);
+            [xyz[0], xyz[1], xyz[2], lightness, a, b, angle, red, green, blue]
         });
-        self.table.write_cells(columns, rows.into_iter())
+        let names = ["x", "y", "z", "l", "a", "b", "ita_degrees", "srgb_r", "srgb_g", "srgb_b"];
+        let rows = names.into_iter().zip(with.into_iter().zip(without));
+        let rows =
+            rows.map(|(name, (with, without))| [Cell::from(name), Cell::from(with), Cell::from(without)]);
+        self.table.write_cells(["quantity", "with_surface", "without_surface"], rows)
     }
 }
 
@@ -252,10 +236,6 @@ impl SkinArguments {
 fn encoded(linear: f64) -> f64 {
     let linear = linear.clamp(0.0, 1.0);
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
-fn write_text(text: &str, path: Option<&Path>) -> Result<(), Failure> {
-    path.map_or_else(|| print(text), |path| write_file(path, text.as_bytes()))
 }
 
 /// A parameter's error in the words of the command line.

@@ -15,12 +15,12 @@ fn numbers(csv: &str) -> Vec<Vec<f64>> {
 #[test]
 fn what_is_printed_is_the_library_s() {
     let folder = tempfile::tempdir().unwrap();
-    let skin = |tone: usize| {
-        let parameters =
-            SkinParameters { melanin: TONES[tone].melanin, blood: 0.01, ..SkinParameters::default() };
-        Skin::new(parameters).unwrap()
+    let made_of = |tone: usize| SkinParameters {
+        melanin: TONES[tone].melanin,
+        blood: 0.01,
+        ..SkinParameters::default()
     };
-    let medium = skin(1).medium(500, &Control::default()).unwrap().unwrap();
+    let medium = Skin::new(made_of(1)).unwrap().medium(500, &Control::default()).unwrap().unwrap();
     let printed = numbers(&stdout(folder.path(), "skin --tone II --blood 0.01 --photons 500 --threads 1"));
     for (c, row) in printed.iter().enumerate() {
         let expected =
@@ -39,8 +39,8 @@ fn what_is_printed_is_the_library_s() {
     assert_eq!(enclosed[20][1..], medium.enclosed[20].1);
 
     let spectrum = numbers(&stdout(folder.path(), "skin --what spectrum --tone IV --blood 0.01 --dermis 1"));
-    let parameters = SkinParameters { dermis: 1.0, ..*skin(3).parameters() };
-    let totals = Skin::new(parameters).unwrap().totals(Incidence::Cosine).unwrap();
+    let thin = Skin::new(SkinParameters { dermis: 1.0, ..made_of(3) }).unwrap();
+    let totals = thin.totals(Incidence::Cosine).unwrap();
     assert_eq!(
         (spectrum.len(), spectrum[40][0], spectrum[40][2]),
         (81, 580.0, totals[40].diffuse_reflectance)
@@ -49,10 +49,9 @@ fn what_is_printed_is_the_library_s() {
 
     let color = numbers(&stdout(folder.path(), "skin --what color --tone IV --configuration searchlight"));
     // International Skin Spectra Archive, inner arms of class tan: L* 57.4, a* 8.2, b* 19.6
-    assert!(
-        color[0][4..7].iter().zip([57.4, 8.2, 19.6]).all(|(found, mean)| (found - mean).abs() < 1.0),
-        "{color:?}"
-    );
+    for (row, mean) in color[3..6].iter().zip([57.4, 8.2, 19.6]) {
+        assert!((row[1] - mean).abs() < 1.0, "{color:?}");
+    }
 }
 
 #[test]

@@ -101,7 +101,6 @@ impl Default for SkinParameters {
 /// Skin, known to be valid.
 #[derive(Clone, Debug)]
 pub struct Skin {
-    parameters: SkinParameters,
     layers: Vec<Layers>,
 }
 
@@ -141,13 +140,7 @@ impl Skin {
         require((0.0..=0.95).contains(&p.g), "g", p.g, "in [0, 0.95]")?;
         require((1.0..=2.0).contains(&p.eta), "eta", p.eta, "in [1, 2]")?;
         let layers = (0..WAVELENGTHS).map(|index| parameters.layers(wavelength(index)));
-        let layers = layers.collect::<Result<_, _>>()?;
-        Ok(Self { parameters, layers })
-    }
-
-    /// What it is made of.
-    pub fn parameters(&self) -> &SkinParameters {
-        &self.parameters
+        layers.collect::<Result<_, _>>().map(|layers| Self { layers })
     }
 
     /// Layers at a [`wavelength`] of a spectrum: epidermis, dermis and, where the dermis ends, fat.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "how near it comes is for those who ask with --nocapture")]
 
+use translucid_profile::convention::preset;
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::walk::Control;
 
@@ -58,7 +59,7 @@ fn lab(spectrum: &Spectrum) -> [f64; 3] {
 
 #[test]
 fn reflectance_is_near_published_means() {
-    println!("skin                                 melanin  blood   rms     ΔE00");
+    println!("skin                                 melanin  blood   rms     ΔE00   greatest difference");
     for Mean(name, [melanin, blood], mean, [rms_limit, difference_limit]) in MEANS {
         let found = measured(melanin, blood);
         let squares = mean.iter().enumerate().map(|(i, mean)| (found[4 + 4 * i] - mean).powi(2));
@@ -72,7 +73,11 @@ fn reflectance_is_near_published_means() {
             })
         };
         let difference = delta_e_2000(lab(&sampled(&|i| found[4 + 4 * i])), lab(&sampled(&|i| mean[i])));
-        println!("{name:36} {melanin:.4}   {blood:.4}  {rms:.4}  {difference:.2}");
+        let differences = mean.iter().enumerate().map(|(i, mean)| (400 + 20 * i, found[4 + 4 * i] - mean));
+        let (at, greatest) = differences.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap();
+        println!(
+            "{name:36} {melanin:.4}   {blood:.4}  {rms:.4}  {difference:.2}   {greatest:+.3} at {at} nm"
+        );
         assert!(rms < rms_limit && difference < difference_limit, "{name}: {rms} {difference}");
     }
 }
@@ -173,4 +178,23 @@ fn table_of_media_states_its_error() {
     }
     assert_eq!(table.medium(0.5, 0.0), table.medium(0.1, 0.004));
     assert_eq!(table.medium(f64::NAN, 0.0), table.medium(0.01, 0.004));
+}
+
+#[test]
+fn presets_are_the_media_of_tones() {
+    for tone in TONES {
+        let parameters =
+            SkinParameters { melanin: tone.melanin, blood: tone.blood, ..SkinParameters::default() };
+        let medium = Skin::new(parameters).unwrap().medium(2000, &Control::default()).unwrap().unwrap();
+        let preset = preset(&format!("skin-{}", tone.name)).unwrap();
+        for c in 0..3 {
+            assert!(
+                (preset.surface_albedo()[c] - medium.surface_albedo[c]).abs() < 5.1e-5,
+                "{tone:?} {medium:?}"
+            );
+            // Four standard errors of so few photons
+            let ratio = preset.mfp_in_millimeters()[c] / medium.mfp[c];
+            assert!((ratio - 1.0).abs() < 0.1, "{tone:?} {ratio}");
+        }
+    }
 }
