@@ -41,8 +41,9 @@ impl Skin {
     /// The result depends on the skin and the number of photons alone.
     ///
     /// # Errors
-    /// The skin's color is none of sRGB, or `photons` is 0.
+    /// The skin's color is none of sRGB, or there are fewer than 100 photons.
     pub fn medium(&self, photons: u64, control: &Control) -> Result<Option<SkinMedium>, ParameterError> {
+        require(photons >= 100, "photons", photons as f64, "at least 100")?;
         let albedos = self.albedos()?;
         let weights = channel_weights();
         let color = color_of(&albedos, &weights);
