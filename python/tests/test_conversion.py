@@ -166,7 +166,7 @@ def test_mistakes_of_cycles_materials_are_named(words, message):
 
 
 def test_presets_are_materials():
-    assert len(presets) == 59 and "skin1" in presets and "nothing" not in presets and 3 not in presets
+    assert len(presets) == 65 and "skin1" in presets and "nothing" not in presets and 3 not in presets
     skin = presets["Skin 1"]
     assert np.allclose(skin.mfp, [1.2953, 0.9524, 0.6711], atol=1e-4) and skin.eta == 1.3
     assert list(presets)[0] == "apple" and presets["apple"].roughness == 0.25

@@ -27,6 +27,7 @@ mod radii;
 mod reference;
 mod render;
 mod sample;
+mod skin;
 mod stack;
 mod table;
 mod view;
@@ -72,6 +73,7 @@ enum Verb {
     Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
+    Skin(skin::SkinArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
@@ -94,6 +96,7 @@ Examples:
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid export --to glsl --what sampler
   translucid measure soap.exr --mm-per-pixel 0.04 --white 100,80,400,260
+  translucid skin --tone III
   translucid help render
 
 Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 1 anything else.";
@@ -248,6 +251,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
+        Verb::Skin(arguments) => skin::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),

@@ -10,6 +10,7 @@
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`stack`]: colors of plane layers over grounds, and swatches of them.
 //! - [`residual_chart`]: what fits to a table leave over.
+//! - [`skin`]: pigments → layers → color and medium.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
 //! ```
@@ -44,6 +45,7 @@ mod model_pages;
 mod page;
 pub mod picture;
 mod random;
+pub mod skin;
 pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};

@@ -13,6 +13,7 @@ const VERBS: [&str; 12] = [
     "compare",
     "convert",
     "export",
+    "skin",
     "view",
     "models",
     "completions",

@@ -22,6 +22,7 @@ mod reference;
 mod render;
 mod shards;
 mod side_by_side;
+mod skin;
 mod stack;
 mod stopped;
 mod tables;

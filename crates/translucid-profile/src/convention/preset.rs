@@ -122,6 +122,11 @@ const fn by_eye(
     Preset { name, source: BY_EYE, eta, roughness, numbers: PresetNumbers::Chosen { surface_albedo, mfp } }
 }
 
+/// Media nearest to modeled skins, to four digits; `translucid skin` computes them.
+const fn skin(name: &'static str, source: &'static str, surface_albedo: [f64; 3], mfp: [f64; 3]) -> Preset {
+    Preset { source, ..by_eye(name, surface_albedo, mfp, [1.4, 0.4]) }
+}
+
 const fn alias(name: &'static str, source: &'static str, preset: Preset) -> Preset {
     Preset { name, source, ..preset }
 }
@@ -180,6 +185,14 @@ const PRESETS: &[Preset] = &[
     liquid("sugar-powder", [0.00022272, 0.00025513, 0.000271], [0.012638, 0.031051, 0.050124]),
     liquid("suisse-mocha-powder", [2.7979, 3.5452, 4.3365], [17.502, 27.004, 35.433]),
     liquid("pacific-ocean-water", [0.0001764, 0.00032095, 0.00019617], [0.031845, 0.031324, 0.030147]),
+
+    // Means of inner arms and cheeks, by class of typology angle: A, ℓ [mm].
+    skin("skin-i", "modeled: translucid skin --tone I", [0.5180, 0.3957, 0.2826], [0.8283, 0.5957, 0.3748]),
+    skin("skin-ii", "modeled: translucid skin --tone II", [0.4582, 0.3245, 0.2083], [0.8609, 0.6164, 0.3720]),
+    skin("skin-iii", "modeled: translucid skin --tone III", [0.4080, 0.2679, 0.1585], [0.8852, 0.6196, 0.3592]),
+    skin("skin-iv", "modeled: translucid skin --tone IV", [0.3517, 0.2119, 0.1135], [0.9131, 0.6195, 0.3281]),
+    skin("skin-v", "modeled: translucid skin --tone V", [0.2668, 0.1402, 0.0625], [0.9576, 0.6097, 0.2564]),
+    skin("skin-vi", "modeled: translucid skin --tone VI", [0.1247, 0.0486, 0.0146], [0.9792, 0.4716, 0.0574]),
 
     // Everyday names; by_eye: A, ℓ [mm]; η, roughness.
     alias("skin", "skin1 of Jensen et al. 2001", SKIN1),
