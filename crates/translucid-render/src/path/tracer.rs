@@ -419,7 +419,8 @@ fn survives(path: &mut PathState, u: impl Fn() -> f32) -> bool {
     } else if path.depth < ROULETTE_AFTER {
         return true;
     } else {
-        path.throughput.max_element().min(0.95)
+        // More paths than in proportion: those that go on have less weight, and indirect light less noise
+        path.throughput.max_element().sqrt().min(0.95)
     };
     if u() >= survival {
         return false;
