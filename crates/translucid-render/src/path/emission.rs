@@ -6,7 +6,7 @@ use crate::ray::{Hit, SurfacePoint};
 use crate::surface;
 use crate::world::{PathState, World, absorbed};
 
-/// Emission of the surface that the path has met.
+/// Emission of the surface that the path has met, on average over whether the surface is there.
 pub(super) fn add_emission(
     world: &World,
     path: &mut PathState,
@@ -17,7 +17,8 @@ pub(super) fn add_emission(
     if material.emission_luminance <= 0.0 || path.ray.direction.dot(point.geometric_normal) >= 0.0 {
         return;
     }
-    let radiance = surface::emission_at(&world.scene, material, point);
+    let opacity = surface::opacity_at(&world.scene, material, point);
+    let radiance = surface::emission_at(&world.scene, material, point) * opacity;
     let weight = path.origin.weight(|from, normal| {
         let primitive = world.geometry.primitive(point.object, point.triangle);
         let position = world.geometry.position(hit);

@@ -27,6 +27,11 @@ const ROULETTE_AFTER: u32 = 3;
 /// The sky, and lamps, it meets in any case. With 1 nothing is gained.
 const ROULETTE_BESIDE: f32 = 3.0;
 
+/// Share of the light from which on both what a smooth clear surface reflects and what it lets through are followed.
+///
+/// Drawn at random, a lamp's mirror image in a glass is a few bright samples.
+const LEAST_SPLIT: f32 = 0.01;
+
 /// Traces paths; one for each thread, because it keeps scratch memory.
 pub(crate) struct PathTracer<'a> {
     world: &'a World,
@@ -142,11 +147,13 @@ impl<'a> PathTracer<'a> {
         let world = self.world;
         let (index, material) = world.material(point);
         let u = Choices(sampler.reserve());
+        // Before it is passed: light samples of it bring all of its emission, too
+        if is_met(path, material) {
+            add_emission(world, path, point, material, hit);
+        }
         if let Some(goes_on) = pass_or_hide(world, path, point, material, u, sampler) {
             return goes_on;
         }
-        // Before a clear surface is passed: light samples of it bring all of its emission, too
-        add_emission(world, path, point, material, hit);
         let stated = surface::parameters_at(&world.scene, material, point);
         if path.soft && stated.clear_part() > 0.0 && u.of_clearness() < stated.clear_part() {
             return pass_clear(path, point, material, &stated);
@@ -158,10 +165,20 @@ impl<'a> PathTracer<'a> {
         if path.depth == 0 && path.sample.alpha == 0.0 {
             see_first(path, &vertex, bsdf.albedo());
         }
-        if !vertex.can_scatter() || !survives(path, || u.of_roulette()) {
+        let is_clear = path.is_mirrored && bsdf.is_clear();
+        if !vertex.can_scatter() || !is_clear && !survives(path, || u.of_roulette()) {
             return false;
         }
-        let below = if path.depth == 0 { bsdf.split_below() } else { None };
+        if is_clear && !vertex.is_depth_spent {
+            let least = LEAST_SPLIT / path.throughput.max_element();
+            if let Some([less, more]) =
+                bsdf.mirrors().filter(|[less, _]| less.weight().max_element() >= least)
+            {
+                self.follow_beside(path, &vertex, &less, sampler);
+                return vertex.follow(path, &more);
+            }
+        }
+        let below = if path.is_mirrored { bsdf.split_below() } else { None };
         if !vertex.is_depth_spent && !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
@@ -321,6 +338,15 @@ fn meeting(
     }
 }
 
+/// Returns `true` if a path meets surfaces of a material, where they are opaque.
+fn is_met(path: &PathState, material: &Material) -> bool {
+    match material.camera_visibility {
+        CameraVisibility::None => !path.is_of_camera(),
+        CameraVisibility::Shadow => path.depth > 0,
+        CameraVisibility::Surface => true,
+    }
+}
+
 /// Passes a surface that is not there, or hides it from the camera; returns whether the path goes on. `None` where the
 /// path meets the surface.
 fn pass_or_hide(
@@ -387,13 +413,14 @@ impl Choices {
 /// No factor η² is needed where the index changes: the throughput carries basic radiance L/n², so refraction does not
 /// change it (see [`bsdf`](crate::surface::bsdf)).
 fn survives(path: &mut PathState, u: impl Fn() -> f32) -> bool {
-    let survival = if path.is_beside && path.depth == 1 {
+    let survival = if std::mem::take(&mut path.is_beside) || path.is_mirrored && path.depth > 0 {
         let share = path.throughput.max_element() / path.sample.albedo.max_element();
         (ROULETTE_BESIDE * share).min(1.0)
     } else if path.depth < ROULETTE_AFTER {
         return true;
     } else {
-        path.throughput.max_element().min(0.95)
+        // More paths than in proportion: those that go on have less weight, and indirect light less noise
+        path.throughput.max_element().sqrt().min(0.95)
     };
     if u() >= survival {
         return false;

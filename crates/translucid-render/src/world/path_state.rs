@@ -75,8 +75,10 @@ pub(crate) struct PathState {
     pub(crate) soft: bool,
     /// Number of the vertex, the camera's being 0.
     pub(crate) vertex: u32,
-    /// It goes on [beside](Self::beside) a path.
+    /// It goes on [beside](Self::beside) a path, and has met no surface since but mirrors.
     pub(crate) is_beside: bool,
+    /// Mirrors alone have scattered it: it sees what the camera sees.
+    pub(crate) is_mirrored: bool,
     /// Absorption coefficient of the clear medium around the ray [1/L].
     pub(crate) absorption: Vec3,
     pub(crate) sample: PixelSample,
@@ -103,6 +105,7 @@ impl PathState {
             soft: false,
             vertex: 0,
             is_beside: false,
+            is_mirrored: true,
             absorption: Vec3::ZERO,
             sample: PixelSample::default(),
             in_block: None,
@@ -137,6 +140,7 @@ impl PathState {
     /// Goes on in a new direction.
     pub(crate) fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: MisOrigin) {
         self.layer = self.layer_after(event);
+        self.is_mirrored &= matches!(event, Layer::Surface(_)) && origin.pdf == f32::INFINITY;
         self.throughput *= weight;
         self.ray = ray;
         self.origin = origin;

@@ -62,6 +62,44 @@ fn clear_sphere_vanishes_in_uniform_light() {
     }
 }
 
+/// Both faces of clear glass mirror a lamp: 2 R / (1 + R) of its light, all orders together.
+///
+/// If each sample drew either the reflection or the refraction, it would have the lamp's light or none, with a relative
+/// variance of 12.
+#[test]
+fn lamp_mirrored_by_clear_glass_has_little_noise() {
+    let [top, bottom] =
+        [quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3), quad(Vec3::NEG_Z, Vec3::Y * 1e3, Vec3::X * 1e3)];
+    let lamp = quad(Vec3::Z * 5.0, Vec3::Y * 1e3, Vec3::X * 1e3);
+    let mut scene = scene(vec![top, bottom, lamp], clear(1.5));
+    scene.materials.push(Material { emission_luminance: 1.0, ..matte(Vec3::ZERO) });
+    scene.objects[2].material = 1;
+    scene.integrator.max_depth = 20;
+    let renderer = prepare(scene);
+    let of_face = 0.2_f32.powi(2);
+    let expected = 2.0 * of_face / (1.0 + of_face);
+    let (mean, error) = measure(&renderer, Vec3::Z, Vec3::NEG_Z, 1 << 12);
+    assert_within("mirrored lamp", (mean, error), Vec3::splat(expected));
+    let light = |seed| sample_ray(&renderer, Vec3::Z, Vec3::NEG_Z, seed, 0).radiance().x / expected;
+    let variance = (0..1024).map(|seed| (light(seed) - 1.0).powi(2)).sum::<f32>() / 1024.0;
+    assert!(variance < 0.03, "{variance}");
+}
+
+/// A flame of which the camera sees a part shows that part of its light in every sample.
+#[test]
+fn partly_opaque_emitter_has_no_noise() {
+    let flame = Material {
+        emission_luminance: 1.0,
+        geometry_opacity: ScalarInput::constant(0.3),
+        ..matte(Vec3::ZERO)
+    };
+    let renderer = prepare(scene(vec![quad(Vec3::ZERO, Vec3::X, Vec3::Y)], flame));
+    for seed in 0..64 {
+        let light = sample_ray(&renderer, Vec3::Z, Vec3::NEG_Z, seed, 0).radiance();
+        assert!((light - 0.3).abs().max_element() < 1e-6, "{light}");
+    }
+}
+
 /// Beer–Lambert: after `transmission_depth` the light has `transmission_color`.
 #[test]
 fn clear_slab_absorbs_by_its_depth() {

@@ -66,6 +66,15 @@ pub enum BsdfSample {
     },
 }
 
+impl BsdfSample {
+    /// f|cosθi| / pdf.
+    pub(crate) fn weight(&self) -> Vec3 {
+        match *self {
+            Self::Direction { weight, .. } | Self::Subsurface { weight } => weight,
+        }
+    }
+}
+
 /// Light from under a surface beside what the surface itself scatters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightBelow {
@@ -539,6 +548,29 @@ impl<'a> Bsdf<'a> {
             return self.finish(through(sample_cosine(v)), Lobe::Diffuse);
         }
         if s.facets > 0.0 { self.sample_facets((u / s.facets).clamp(0.0, 1.0), v) } else { None }
+    }
+
+    /// Returns `true` if the surface is clear and smooth: mirrors alone scatter light.
+    pub(crate) fn is_clear(&self) -> bool {
+        let s = &self.strategies;
+        let is_opaque = s.subsurface + s.diffuse + s.coat > 0.0;
+        !is_opaque
+            && self.glass.weight > 0.0
+            && self.thin.is_none()
+            && (s.facets == 0.0 || self.base_ggx.is_smooth())
+    }
+
+    /// Reflection and refraction by a [clear](Self::is_clear) surface, each with its share of the light, the smaller one first;
+    /// `None` where there is only one.
+    pub(crate) fn mirrors(&self) -> Option<[BsdfSample; 2]> {
+        let split = self.split_at_facet(self.wo.z);
+        let reflected = self.mirror(reflect(self.wo, Vec3::Z), split.reflected * self.coat_transmittance);
+        let refracted = refract(self.wo, Vec3::Z, self.glass.eta)?;
+        let refracted = self.mirror(refracted, split.transmitted * self.coat_transmittance);
+        let is_split = split.reflect_probability > 0.0 && split.reflect_probability < 1.0;
+        let both =
+            if split.reflect_probability < 0.5 { [reflected, refracted] } else { [refracted, reflected] };
+        is_split.then_some(both)
     }
 
     /// Leaves light from under the surface out of the choice of [`sample`](Self::sample), which then always draws a reflection
