@@ -1,15 +1,23 @@
 //! Light that leaves layers around a normal pencil beam.
 
+mod chain;
 mod depths;
+mod diffusion;
+mod directions;
 mod kernel;
+mod panel;
+mod poles;
+mod remainder;
 mod single;
+mod single2;
+mod stack;
 mod transform;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
-use self::depths::Depths;
+use self::depths::{Depths, in_unit};
 use self::single::Single;
 use self::transform::Transform;
 use super::{Ground, Layer, Layers, LayersError};
