@@ -3,6 +3,9 @@
 //! Radiances are over η², so that a face transmits 1 − F of them.
 
 use num_complex::Complex64;
+use translucid_profile::fresnel_from_outside;
+
+use super::super::{Ground, Layers};
 
 /// What a ray does in one layer.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,12 +27,7 @@ pub(super) type Exits = [Complex64; 2];
 ///
 /// `faces` are reflectances from above the first layer to below the last, 1 where a side does not have the ray, which then
 /// passes nothing; `arriving` comes from above and `returned` from a Lambertian ground.
-pub(super) fn reflect(
-    faces: &[f64],
-    passes: &mut [Pass],
-    arriving: Complex64,
-    returned: Complex64,
-) -> Exits {
+pub(super) fn reflect(faces: &[f64], passes: &mut [Pass], arriving: Complex64, returned: Complex64) -> Exits {
     // From below: what comes up out of each lower face is a + b times what goes down there
     let (mut a, mut b) = (returned, Complex64::from(faces[passes.len()]));
     for (pass, face) in passes.iter_mut().zip(faces).rev() {
@@ -68,4 +66,27 @@ pub(super) fn straight(faces: &[f64], passes: &[Pass]) -> Exits {
         exits[1] = pass.leaving[1] + pass.through * (1.0 - face) * exits[1];
     }
     exits
+}
+
+/// Fluxes of the normal beam in layers of these optical thicknesses: down at each upper face and up at each lower one, and what
+/// arrives at the face below.
+pub(super) fn beam(layers: &Layers, depths: impl Iterator<Item = f64>) -> (Vec<[f64; 2]>, f64) {
+    let mut passes: Vec<Pass> =
+        depths.map(|depth| Pass { through: libm::exp(-depth).into(), ..Pass::default() }).collect();
+    let etas = etas(layers);
+    let mut faces: Vec<f64> =
+        etas.windows(2).map(|pair| fresnel_from_outside(1.0, pair[1] / pair[0])).collect();
+    faces.resize(passes.len() + 1, 0.0);
+    let [_, below] = reflect(&faces, &mut passes, Complex64::ONE, Complex64::ZERO);
+    (passes.iter().map(|pass| pass.incoming.map(|flux| flux.re)).collect(), below.re)
+}
+
+/// Indices of refraction from above to below; a ground without one has none.
+pub(super) fn etas(layers: &Layers) -> Vec<f64> {
+    let below = match layers.ground() {
+        Ground::Medium { eta } => Some(eta),
+        _ => None,
+    };
+    let within = layers.layers().iter().map(|layer| layer.eta);
+    std::iter::once(layers.eta_above()).chain(within).chain(below).collect()
 }

@@ -1,155 +1,171 @@
-//! Profiles of layers of any phase function and faces: real wave numbers by discrete directions, and poles.
+//! Profiles of layers of any phase functions and faces, by real wave numbers.
+//!
+//! Two solutions, of fewer and more directions, moments, wave numbers and poles, tell the error.
 
 use rayon::prelude::*;
+use translucid_profile::ParameterError;
 
+use super::super::rays::squared_indices;
+use super::super::{Layer, Layers, LayersError};
+use super::hankel::Hankel;
 use super::poles::Poles;
 use super::remainder::{Remainder, remainder};
-use super::single2::{Single, Span};
-use super::stack::{Resolution, Stack};
-use super::super::{Ground, Layer, Layers};
+use super::single::Single;
+use super::stack::Resolution;
 use crate::Estimate;
 
 /// Light that leaves through one face.
 #[derive(Clone, Debug)]
 pub(super) struct Side {
-    single: Single,
-    /// By the finest solution first.
-    rests: Vec<Poles>,
+    solutions: [(Single, Hankel); 2],
+    /// Radius from which on wave numbers say nothing.
+    farthest: f64,
+    /// Part of the value that equations left unsolved.
+    left: f64,
 }
 
+/// How finely the finer and the coarser solution are made.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settings {
-    pub(super) moments: usize,
-    pub(super) rays: usize,
-    pub(super) nodes: usize,
-    pub(super) orders: [f64; 2],
-    pub(super) azimuths: [f64; 2],
-    /// Wave numbers in mean transport... 
-    pub(super) k: [f64; 2],
-    pub(super) k_step: f64,
-    pub(super) poles: [f64; 2],
-    pub(super) pole_step: f64,
+struct Settings {
+    /// Moments of the phase functions.
+    moments: usize,
+    /// Nodes of a panel of depths.
+    nodes: usize,
+    /// Step of ln k.
+    step: f64,
+    /// Step of ln κ of poles.
+    pole_step: f64,
 }
+
+/// Wave numbers, by the least transport coefficient or the slowest decay, and by the greatest extinction coefficient.
+const LEAST: [f64; 2] = [0.02, 0.05];
+const MOST: f64 = 40.0;
+/// Poles, by the least and the greatest wave number.
+const POLES: [f64; 2] = [0.3, 1.0];
 
 impl Settings {
+    /// Resolution for a wave number in mean free paths.
     fn resolution(&self, k: f64) -> Resolution {
-        let at = |[first, slope]: [f64; 2]| (first + slope * k).round() as usize;
+        let growth = libm::log1p(k);
+        let orders = ((3.0 + 6.0 * k.min(10.0)) as usize).min(self.moments).min(16);
         Resolution {
-            rays: self.rays,
+            rays: (self.moments / 2).max(8) + (2.0 * growth) as usize,
             moments: self.moments,
-            orders: at(self.orders).clamp(1, self.moments),
-            azimuths: at(self.azimuths).clamp(4, 28),
+            orders,
+            azimuths: (4.0 + 0.8 * orders as f64 + 2.5 * growth) as usize,
             nodes: self.nodes,
         }
     }
 }
 
-pub(super) fn solve(layers: &Layers, unit: f64, settings: &Settings) -> [(Single, Poles); 2] {
-    let transport = |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.deflection.moment(1));
+/// Light by one rule.
+struct Solution {
+    sides: [(Single, Hankel); 2],
+    farthest: f64,
+    left: f64,
+}
+
+/// Solves by one rule, for light that leaves above and below.
+fn solve(layers: &Layers, unit: f64, settings: &Settings) -> Solution {
     let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
-    let least = scattering().map(transport).fold(1.0, f64::min);
-    let most = scattering().map(|layer| unit * layer.extinction()).fold(0.0, f64::max);
-    let [low, high] = [settings.k[0] * least, settings.k[1] * most];
-    let count = (libm::log(high / low) / settings.k_step).ceil() as usize + 1;
-    let step = libm::log(high / low) / (count - 1) as f64;
-    let ks: Vec<f64> = (0..count).map(|i| low * libm::exp(step * i as f64)).collect();
+    let transport =
+        |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.deflection.moment(1));
+    let k0 = layers.slowest_decay(unit);
+    let low = (LEAST[0] * scattering().map(transport).fold(1.0, f64::min)).max(LEAST[1] * k0);
+    let span = libm::log(MOST / low);
+    let count = (span / settings.step).ceil() as usize + 1;
+    let ks: Vec<f64> = (0..count).map(|i| low * libm::exp(span * i as f64 / (count - 1) as f64)).collect();
     let values: Vec<Remainder> =
         ks.par_iter().map(|k| remainder(layers, unit, *k, &settings.resolution(*k))).collect();
-    let k0 = layers.slowest_decay(unit);
-    let side = |side: usize| {
-        let samples: Vec<[f64; 3]> = ks
-            .iter()
-            .zip(&values)
-            .map(|(k, value)| [*k, value.rest[side], value.straight[side]])
-            .collect();
-        let poles = Poles::new(&samples, k0, [settings.poles[0] * low, settings.poles[1] * high], settings.pole_step);
-        let stack = Stack::new(layers, unit, low, &settings.resolution(low));
-        (single(layers, &stack, side), poles)
+    let [above, below] = Single::sides(layers, unit, settings.moments);
+    let poles = |side: usize| {
+        let sample = |(k, value): (&f64, &Remainder)| [*k, value.rest[side], value.straight[side]];
+        let samples: Vec<[f64; 3]> = ks.iter().zip(&values).map(sample).collect();
+        let poles = Poles::new(&samples, k0, [POLES[0] * low, POLES[1] * MOST], settings.pole_step);
+        let plain: Vec<[f64; 2]> = samples.iter().map(|[k, value, _]| [*k, *value]).collect();
+        let bend =
+            plain.iter().find(|[_, value]| value.abs() < 0.5 * plain[0][1].abs()).map_or(1.0, |[k, _]| *k);
+        Hankel::new(poles, &plain, bend)
     };
-    [side(0), side(1)]
+    let left = values.iter().map(|value| value.left).fold(0.0, f64::max);
+    Solution { sides: [(above, poles(0)), (below, poles(1))], farthest: 1.0 / low, left }
 }
 
-fn single(layers: &Layers, stack: &Stack, side: usize) -> Single {
-    let mut spans: Vec<Span> = stack.sheets.iter().map(|sheet| {
-        let [down, up] = sheet.beam;
-        Span {
-            eta: sheet.layer.eta,
-            thickness: sheet.layer.thickness,
-            extinction: sheet.extinction,
-            scattering: sheet.layer.scattering,
-            deflection: sheet.layer.deflection.clone(),
-            beam: if side == 0 { [down, up] } else { [up, down] },
-        }
-    }).collect();
-    let mut eta = layers.eta_above();
-    if side == 1 {
-        spans.reverse();
-        eta = match layers.ground() {
-            Ground::Medium { eta } => eta,
-            _ => 0.0,
+impl Side {
+    /// Light that leaves above, and below.
+    pub(super) fn both(layers: &Layers, unit: f64) -> [Self; 2] {
+        let [fine, coarse] = settings(layers);
+        let Solution { sides: [above, below], farthest, left } = solve(layers, unit, &fine);
+        let [coarse_above, coarse_below] = solve(layers, unit, &coarse).sides;
+        let side = |fine, coarse| Self { solutions: [fine, coarse], farthest, left };
+        [side(above, coarse_above), side(below, coarse_below)]
+    }
+
+    pub(super) fn eval(&self, r: f64) -> Estimate {
+        let [value, coarse] = self.values(r);
+        // Where the two cross they agree by chance
+        let beside = [0.75, 1.3].map(|factor| {
+            let [value, coarse] = self.values(factor * r);
+            (value - coarse).abs() * factor
+        });
+        let doubt = beside.into_iter().fold((value - coarse).abs(), f64::max);
+        let unknown = if r > self.farthest { value.abs() } else { 0.0 };
+        Estimate { value: value.max(0.0), error: doubt + (COMMON + 10.0 * self.left) * value.abs() + unknown }
+    }
+
+    fn values(&self, r: f64) -> [f64; 2] {
+        [0, 1].map(|i| self.solutions[i].0.eval(r).value + self.solutions[i].1.eval(r))
+    }
+}
+
+impl Layers {
+    /// Checks for what [`Side::both`] solves.
+    pub(super) fn check_for_directions(&self) -> Result<(), LayersError> {
+        let require = |is_allowed, parameter, value, allowed, layer| {
+            let error = ParameterError::new(parameter, value, allowed);
+            if is_allowed { Ok(()) } else { Err(LayersError { layer, error }) }
         };
+        let indices = squared_indices(self).len();
+        let allowed = "at most 4 for a profile";
+        require(indices <= 4, "number of different eta", indices as f64, allowed, None)?;
+        let scattering = || self.layers().iter().enumerate().filter(|(_, layer)| layer.scattering > 0.0);
+        let count = scattering().count();
+        let allowed = "at most 10 for a profile with faces or of scatterers that are not isotropic";
+        require(count <= 10, "number of layers that scatter", count as f64, allowed, None)?;
+        let extinctions = || scattering().map(|(_, layer)| layer.extinction());
+        let contrast = extinctions().fold(0.0, f64::max) / extinctions().fold(f64::INFINITY, f64::min);
+        let allowed = "at most 1000 for a profile";
+        require(
+            contrast <= 1e3 || count == 0,
+            "greatest extinction over the least",
+            contrast,
+            allowed,
+            None,
+        )?;
+        for (i, layer) in scattering() {
+            let peak = layer.deflection.moment(MOMENTS[MOMENTS.len() - 1]).abs();
+            let allowed = "at most 0.1 for a profile, which is g = 0.93";
+            require(peak <= 0.1, "moment 32 of the phase function", peak, allowed, Some(i))?;
+        }
+        Ok(())
     }
-    Single::new(eta, spans)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Incidence;
-    use crate::layers::Grid;
+/// Error as a part of the value that is in both solutions.
+const COMMON: f64 = 3e-4;
 
-    fn env(name: &str, default: f64) -> f64 {
-        std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-    }
-
-    #[test]
-    fn try_r() {
-        let (g, eta, alpha) = (env("G", 0.8), env("ETA", 1.4), env("ALPHA", 0.99));
-        let thick = env("THICK", f64::INFINITY);
-        let layers = Layers::new(1.0, vec![Layer::new(alpha, 1.0 - alpha, thick).with_g(g).with_eta(eta)], if thick.is_finite() { Ground::AIR} else {Ground::None}).unwrap();
-        let base = Settings { moments: 24, rays: 16, nodes: 6, orders: [3.0, 8.0], azimuths: [6.0, 4.0], k: [0.02, 30.0], k_step: 0.4, poles: [0.3, 4.0], pole_step: 0.7 };
-        let list = std::env::var("LIST").unwrap_or("24,16,6 16,12,6 12,8,6 8,8,6".into());
-        let star = 1.0 / (1.0 - alpha * g);
-        let radii: Vec<f64> = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0].iter().map(|r| r * star).collect();
-        let mut first: Vec<[f64; 2]> = vec![];
-        for item in list.split(' ') {
-            let n: Vec<usize> = item.split(',').map(|x| x.parse().unwrap()).collect();
-            let [moments, rays, nodes] = n[..] else { panic!() };
-            let settings = Settings { moments, rays, nodes, k: [0.02, env("KMAX", 30.0)], k_step: env("KSTEP", 0.4), pole_step: env("PSTEP", 0.7), orders: [env("O0", 3.0), env("O1", 8.0)], azimuths: [env("A0", 6.0), env("A1", 4.0)], ..base };
-            let start = std::time::Instant::now();
-            let sides = solve(&layers, 1.0, &settings);
-            let time = start.elapsed();
-            let values: Vec<[f64; 2]> = radii.iter().map(|r| [0, 1].map(|s| sides[s].0.eval(*r).value + sides[s].1.eval(*r))).collect();
-            if first.is_empty() { first = values.clone(); }
-            eprintln!("r {item} {time:?}");
-            for (i, r) in radii.iter().enumerate() {
-                let v = values[i];
-                let f = first[i];
-                eprintln!("r   {:.3} R {:.6e} (single {:.2e}) change {:.1e}  T {:.6e} change {:.1e}", r / star, v[0], sides[0].0.eval(*r).value / v[0], v[0] / f[0] - 1.0, v[1], v[1] / f[1] - 1.0);
-            }
-        }
-        let photons = env("PHOTONS", 0.0) as u64;
-        if photons > 0 {
-            let n: Vec<usize> = list.split(' ').next().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
-            let settings = Settings { moments: n[0], rays: n[1], nodes: n[2], k: [0.02, env("KMAX", 30.0)], k_step: env("KSTEP", 0.4), pole_step: env("PSTEP", 0.7), orders: [env("O0", 3.0), env("O1", 8.0)], azimuths: [env("A0", 6.0), env("A1", 4.0)], ..base };
-            let sides = solve(&layers, 1.0, &settings);
-            for dr in [0.02 * star, 0.3 * star, 2.0 * star] {
-                let grid = Grid { dz: 1.0, dr, nz: 1, nr: 12, na: 1 };
-                let tally = layers.walk(Incidence::NORMAL, grid, photons, 11, &Default::default()).unwrap();
-                let rule = translucid_profile::quadrature::gauss_legendre(10);
-                for ring in 0..11 {
-                    for side in 0..2 {
-                        let walked = if side == 0 { tally.reflectance(ring) } else { tally.transmittance(ring) };
-                        let r0 = ring as f64 * dr;
-                        let expected = translucid_profile::quadrature::integrate(&rule, r0, r0 + dr, |r| {
-                            2.0 * std::f64::consts::PI * r * (sides[side].0.eval(r).value + sides[side].1.eval(r))
-                        }) / grid.ring_area(ring);
-                        if walked.value > 0.0 {
-                        eprintln!("w side {side} {:.3}..{:.3}: walk {:.5e} +- {:.1e} profile {:.5e} off {:.1e} z {:.1}", r0 / star, (r0 + dr) / star, walked.value, walked.error / walked.value, expected, expected / walked.value - 1.0, (expected - walked.value) / walked.error);
-                        }
-                    }
-                }
-            }
-        }
-    }
+/// The finer and the coarser solution's.
+fn settings(layers: &Layers) -> [Settings; 2] {
+    let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
+    let peak =
+        |moments: usize| scattering().map(|layer| layer.deflection.moment(moments).abs()).fold(0.0, f64::max);
+    let few = MOMENTS.iter().position(|moments| peak(*moments) < SMALL_PEAK).unwrap_or(MOMENTS.len() - 1);
+    let coarse = if peak(MOMENTS[few]) == 0.0 { few } else { few.max(1) - 1 };
+    let settings =
+        |number: usize, nodes, step, pole_step| Settings { moments: MOMENTS[number], nodes, step, pole_step };
+    [settings(few, 6, 0.3, 0.75), settings(coarse, 5, 0.36, 0.9)]
 }
+
+/// Numbers of moments, of which the first does that leaves a peak so small.
+const MOMENTS: [usize; 7] = [2, 4, 8, 12, 16, 24, 32];
+const SMALL_PEAK: f64 = 6e-3;

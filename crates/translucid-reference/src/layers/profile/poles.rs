@@ -37,6 +37,9 @@ impl Poles {
             })
             .collect();
         let total = samples.first().map_or(0.0, |[_, value, _]| value.abs());
+        if samples.iter().all(|[_, value, _]| *value == 0.0) {
+            return Self { terms: Vec::new() };
+        }
         let half = samples.iter().find(|[_, value, _]| value.abs() < 0.5 * total).map_or(1.0, |[k, ..]| *k);
         let mut rows: Vec<Vec<f64>> = samples
             .iter()
@@ -58,13 +61,18 @@ impl Poles {
         Self { terms: terms.map(|(square, (c, norm))| [square.sqrt(), c / norm / (2.0 * PI)]).collect() }
     }
 
+    /// f̂(k).
+    pub(super) fn transform(&self, k: f64) -> f64 {
+        self.terms.iter().map(|[kappa, factor]| 2.0 * PI * factor / (k * k + kappa * kappa)).sum()
+    }
+
     /// f(r) for r > 0.
     pub(super) fn eval(&self, r: f64) -> f64 {
         self.terms.iter().map(|[kappa, factor]| factor * bessel_k0(kappa * r)).sum()
     }
 }
 
-fn bessel_k0(z: f64) -> f64 {
+pub(super) fn bessel_k0(z: f64) -> f64 {
     match Macdonald::new(z.into()) {
         Macdonald::Small { k0, .. } => k0.re,
         Macdonald::Scaled { k0, .. } => k0.re * libm::exp(-z),

@@ -14,15 +14,15 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use num_complex::Complex64;
-use translucid_profile::fresnel_from_outside;
 use translucid_profile::quadrature::gauss_legendre;
 
-use super::chain::{Exits, Pass, reflect, straight};
-use super::panel::{Panel, PanelRule};
 use super::super::matrix::Matrix;
 use super::super::operators::{face, normalized};
 use super::super::rays::Rays;
 use super::super::{Ground, Layer, Layers};
+use super::chain::{Exits, Pass, beam, etas, reflect, straight};
+use super::depths::in_unit;
+use super::panel::{Panel, PanelRule};
 
 /// How finely light is resolved.
 #[derive(Clone, Copy, Debug)]
@@ -125,45 +125,25 @@ impl Stack {
         let mut first = 0;
         let mut sheets = Vec::new();
         for layer in layers.layers() {
-            let layer = super::in_unit(layer, unit);
+            let layer = in_unit(layer, unit);
             let mut sheet = Sheet::new(layer, &rays, &azimuths, &rule, k, resolution);
             sheet.first = first;
             first += 2 * resolution.orders * sheet.block();
             sheets.push(sheet);
         }
-        let etas: Vec<f64> = std::iter::once(layers.eta_above())
-            .chain(layers.layers().iter().map(|layer| layer.eta))
-            .chain(match layers.ground() {
-                Ground::Medium { eta } => Some(eta),
-                _ => None,
-            })
-            .collect();
         let most = sheets.iter().map(|sheet| sheet.cosines.len()).max().unwrap_or(0);
         let mut faces = vec![Vec::new(); most];
-        let mut beam_faces = Vec::new();
-        for pair in etas.windows(2) {
+        for pair in etas(layers).windows(2) {
             let common = face(&rays, pair[0], pair[1]);
             for (ray, faces) in faces.iter_mut().enumerate() {
                 faces.push(common.get(ray).copied().unwrap_or(1.0));
             }
-            beam_faces.push(fresnel_from_outside(1.0, pair[1] / pair[0]));
         }
-        let is_medium = matches!(layers.ground(), Ground::Medium { .. });
-        if !is_medium {
-            faces.iter_mut().for_each(|faces| faces.push(0.0));
-            beam_faces.push(0.0);
-        }
-        let mut beam: Vec<Pass> = sheets
-            .iter()
-            .map(|sheet| Pass {
-                through: libm::exp(-sheet.extinction * sheet.layer.thickness).into(),
-                ..Pass::default()
-            })
-            .collect();
-        let [_, beam_below] = reflect(&beam_faces, &mut beam, 1.0.into(), Complex64::ZERO);
-        for (sheet, pass) in sheets.iter_mut().zip(beam) {
-            sheet.beam = pass.incoming.map(|flux| flux.re);
-        }
+        // A ground without an index has an open face
+        faces.iter_mut().for_each(|faces| faces.resize(sheets.len() + 1, 0.0));
+        let depths = sheets.iter().map(|sheet| sheet.extinction * sheet.layer.thickness);
+        let (beams, beam_below) = beam(layers, depths);
+        sheets.iter_mut().zip(beams).for_each(|(sheet, beam)| sheet.beam = beam);
         let last = sheets.last().map_or(0, |sheet| sheet.cosines.len());
         let returned = match layers.ground() {
             Ground::Lambertian { reflectance } => {
@@ -173,7 +153,7 @@ impl Stack {
             _ => 0.0,
         };
         let orders = resolution.orders;
-        Self { rays, orders, azimuths, sheets, faces, size: first + 1, returned, beam_below: beam_below.re, k }
+        Self { rays, orders, azimuths, sheets, faces, size: first + 1, returned, beam_below, k }
     }
 
     /// Sources of light that the beam scatters first, and that a ground returns of it.
@@ -187,8 +167,13 @@ impl Stack {
                 for (node, [z, _]) in sheet.depths.iter().enumerate() {
                     let falling = sheet.beam[0] * libm::exp(-sheet.extinction * z);
                     let rest = sheet.layer.thickness - z;
-                    let rising = if rest.is_finite() { sheet.beam[1] * libm::exp(-sheet.extinction * rest) } else { 0.0 };
-                    let into = [falling * down[ray] + rising * up[ray], falling * up[ray] + rising * down[ray]];
+                    let rising = if rest.is_finite() {
+                        sheet.beam[1] * libm::exp(-sheet.extinction * rest)
+                    } else {
+                        0.0
+                    };
+                    let into =
+                        [falling * down[ray] + rising * up[ray], falling * up[ray] + rising * down[ray]];
                     let place = sheet.first + ray * nodes + node;
                     sources[place] = (into[0] + into[1]) / square;
                     sources[place + self.orders * sheet.block()] = (into[0] - into[1]) / square;
@@ -295,7 +280,8 @@ impl Stack {
                 let up: Vec<Complex64> =
                     parities[0].iter().zip(&parities[1]).map(|(a, b)| a - b).rev().collect();
                 let [light_up, light_down] = &mut field.light;
-                pass.leaving[1] = sheet.stream(stream, &down, &mut light_down[azimuth * nodes..][..nodes], false);
+                pass.leaving[1] =
+                    sheet.stream(stream, &down, &mut light_down[azimuth * nodes..][..nodes], false);
                 pass.leaving[0] = sheet.stream(stream, &up, &mut light_up[azimuth * nodes..][..nodes], true);
             }
             field
@@ -335,7 +321,9 @@ impl Stack {
                     let place = sheet.place(self.orders, parity, order, 0);
                     let light = &swept.light[place..][..block];
                     let target = &mut sources[place..][..block];
-                    for (row, kernel) in target.chunks_exact_mut(nodes).zip(kernel.chunks_exact(sheet.cosines.len())) {
+                    for (row, kernel) in
+                        target.chunks_exact_mut(nodes).zip(kernel.chunks_exact(sheet.cosines.len()))
+                    {
                         for (factor, light) in kernel.iter().zip(light.chunks_exact(nodes)) {
                             row.iter_mut().zip(light).for_each(|(sum, x)| *sum += factor * x);
                         }
@@ -364,7 +352,10 @@ impl Field {
             let [down, up] = pass.incoming;
             for (light, incoming) in self.light.iter_mut().zip([up, down]) {
                 let light = &mut light[azimuth * nodes..][..nodes];
-                light.iter_mut().zip(&stream.reached).for_each(|(light, reached)| *light += incoming * reached);
+                light
+                    .iter_mut()
+                    .zip(&stream.reached)
+                    .for_each(|(light, reached)| *light += incoming * reached);
             }
         }
     }
@@ -385,15 +376,17 @@ impl Sheet {
         let moments = resolution.moments;
         let peak = layer.deflection.moment(moments);
         let scattering = layer.scattering * (1.0 - peak);
-        let extinction = scattering + layer.absorption;
+        let extinction = without_peak(&layer, moments);
         let ends = if scattering > 0.0 { panel_ends(&layer, extinction, k) } else { Vec::new() };
         let mut depths = Vec::new();
         let (mut panels, mut widths) = (Vec::new(), Vec::<f64>::new());
         for panel in ends.windows(2) {
             let width = panel[1] - panel[0];
-            depths.extend(rule.nodes.iter().map(|(x, weight)| {
-                [panel[0] + 0.5 * width * (1.0 + x), 0.5 * width * weight]
-            }));
+            depths.extend(
+                rule.nodes
+                    .iter()
+                    .map(|(x, weight)| [panel[0] + 0.5 * width * (1.0 + x), 0.5 * width * weight]),
+            );
             let known = widths.iter().position(|known| (known / width - 1.0).abs() < 1e-9);
             panels.push(known.unwrap_or(widths.len()));
             if known.is_none() {
@@ -405,7 +398,8 @@ impl Sheet {
             let sine = (1.0 - mu * mu).max(0.0).sqrt();
             for cosine in &azimuths.cosines {
                 let sigma = Complex64::new(extinction, k * sine * cosine);
-                let distinct: Vec<Panel> = widths.iter().map(|width| rule.panel(*width, sigma, *mu)).collect();
+                let distinct: Vec<Panel> =
+                    widths.iter().map(|width| rule.panel(*width, sigma, *mu)).collect();
                 let mut reached = Vec::with_capacity(depths.len());
                 let mut through = Complex64::ONE;
                 for panel in &panels {
@@ -430,7 +424,26 @@ impl Sheet {
         } else {
             Vec::new()
         };
-        Self { factors, layer, scattering, extinction, cosines, weights, depths, panels, streams, kernels, first: 0, beam: [0.0; 2], g }
+        Self {
+            factors,
+            layer,
+            scattering,
+            extinction,
+            cosines,
+            weights,
+            depths,
+            panels,
+            streams,
+            kernels,
+            first: 0,
+            beam: [0.0; 2],
+            g,
+        }
+    }
+
+    /// Nodes of a panel.
+    fn per_panel(&self) -> usize {
+        self.depths.len() / self.panels.len().max(1)
     }
 
     /// Unknowns of one order and parity.
@@ -459,8 +472,14 @@ impl Sheet {
     }
 
     /// Light at all depths in the direction of a stream; returns what leaves.
-    fn stream(&self, stream: &Stream, sources: &[Complex64], light: &mut [Complex64], is_reversed: bool) -> Complex64 {
-        let per_panel = self.depths.len() / self.panels.len();
+    fn stream(
+        &self,
+        stream: &Stream,
+        sources: &[Complex64],
+        light: &mut [Complex64],
+        is_reversed: bool,
+    ) -> Complex64 {
+        let per_panel = self.per_panel();
         let count = self.panels.len();
         let mut arriving = Complex64::ZERO;
         for i in 0..count {
@@ -499,6 +518,12 @@ impl Azimuths {
 
 /// Greatest concentration of azimuths.
 const MOST_BEND: f64 = 4.0;
+
+/// Extinction coefficient of a layer whose moments beyond the first so many are a peak that counts as not scattered
+/// (W. J. Wiscombe 1977, *The delta-M method*).
+pub(super) fn without_peak(layer: &Layer, moments: usize) -> f64 {
+    layer.absorption + layer.scattering * (1.0 - layer.deflection.moment(moments))
+}
 
 /// Ends of panels from face to face.
 fn panel_ends(layer: &Layer, extinction: f64, k: f64) -> Vec<f64> {
