@@ -49,6 +49,17 @@ fn equal_layers_are_one() {
             }
         }
     }
+    // With g and faces, by other panels of depths
+    let part = |thickness: f64| Layer::new(2.0, 0.1, thickness).with_g(0.5).with_eta(1.4);
+    let one = profile(vec![part(1.0)], Ground::AIR);
+    let parts = profile(vec![part(0.3), part(0.7)], Ground::AIR);
+    for r in [0.1, 0.3, 1.0, 3.0] {
+        for function in [LayersProfile::reflectance, LayersProfile::transmittance] {
+            let [one, parts] = [&one, &parts].map(|profile| function(profile, r));
+            assert!((one.value / parts.value - 1.0).abs() < 1e-3, "{r}: {one:?} {parts:?}");
+            assert!((one.value - parts.value).abs() <= one.error, "{r}: {one:?} {parts:?}");
+        }
+    }
     let thick = profile(vec![Layer::new(0.9, 0.1, 40.0)], Ground::BLACK);
     let endless = profile(vec![Layer::new(0.9, 0.1, f64::INFINITY)], Ground::None);
     for r in RADII.iter().take(9) {
@@ -300,6 +311,11 @@ fn extremes_give_numbers() {
         (vec![Layer::new(0.0, 1.0, 1.0)], Ground::Lambertian { reflectance: 1.0 }),
         (vec![Layer::new(1.0, 0.0, 1e6)], Ground::AIR),
         (vec![Layer::new(1e-6, 0.0, 1e-3), Layer::new(1e3, 1.0, 10.0)], Ground::BLACK),
+        (vec![Layer::new(0.0, 0.0, 1.0).with_eta(1.5)], Ground::AIR),
+        (vec![Layer::new(0.0, 0.0, 1.0).with_eta(1.5)], Ground::Lambertian { reflectance: 1.0 }),
+        (vec![Layer::new(1.0, 0.0, 1e5).with_eta(1.3)], Ground::AIR),
+        (vec![Layer::new(1e-3, 0.0, 1e-9).with_g(-0.5)], Ground::Lambertian { reflectance: 1.0 }),
+        (vec![Layer::new(1.0, 0.0, f64::INFINITY).with_moments(vec![0.0, 0.1])], Ground::None),
     ] {
         let profile = profile(layers, ground);
         for r in [f64::NAN, -1.0, 0.0, 1e-300, 1e-9, 1.0, 1e9, f64::INFINITY] {
