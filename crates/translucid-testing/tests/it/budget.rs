@@ -21,7 +21,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 5100),
-    ("translucid-reference", 8400),
+    ("translucid-reference", 9700),
     ("translucid-render", 17070),
     ("translucid-scene", 3660),
     ("translucid-shapes", 2000),
