@@ -39,7 +39,7 @@ pub use image::{ColorSpace, Image, ImageKind, Pixels, SRGB_TABLE, linear_from_sr
 pub use interval::{Interval, WholeInterval};
 pub use light::Light;
 pub use material::{
-    CameraVisibility, Configuration, Material, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
+    CameraVisibility, Configuration, LayerMedium, Material, SubsurfaceLayer, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
     SubsurfaceTextureAt, WalkSurface,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};

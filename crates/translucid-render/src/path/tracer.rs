@@ -192,7 +192,8 @@ impl<'a> PathTracer<'a> {
         if path.diffuse_depth > 0 && transport.is_lambertian_behind_diffuse() {
             subsurface.length = Vec3::ZERO;
         }
-        let mut seen = stated.with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
+        let albedo = transport.brightest(subsurface.surface_albedo);
+        let mut seen = stated.with_subsurface(albedo, subsurface.length.cmpgt(Vec3::ZERO));
         if vertex.material.geometry_thin_walled {
             seen = seen.scattered_to_both_sides(vertex.material.subsurface_scatter_anisotropy);
         }
@@ -282,7 +283,7 @@ impl<'a> PathTracer<'a> {
         } else {
             absorption_behind(vertex.material, vertex.point, light.direction, path.absorption)
         };
-        let medium = ShadowMedium { absorption, soft: vertex.soft };
+        let medium = ShadowMedium { absorption, soft: vertex.soft, random: u[3] };
         let light = weighed(world.unoccluded(vertex.point, &light, medium), mis / light.pdf);
         let received = light * path.throughput;
         if received != Vec3::ZERO {

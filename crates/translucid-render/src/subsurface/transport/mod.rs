@@ -109,6 +109,11 @@ impl SubsurfaceTransport {
         }
     }
 
+    /// A surface albedo above 0 in every channel in which light may come out of a body of this surface albedo.
+    pub(crate) fn brightest(&self, surface_albedo: Vec3) -> Vec3 {
+        self.medium().map_or(surface_albedo, |medium| medium.brightest(surface_albedo))
+    }
+
     /// The medium, where the transport walks through it.
     pub(crate) fn medium(&self) -> Option<&Arc<WalkMedium>> {
         if let Self::Walk(walks) = self { Some(&walks.medium) } else { None }

@@ -33,6 +33,7 @@ mod random;
 mod refracted;
 mod shared;
 mod state;
+mod through_shells;
 mod tilt;
 
 use std::sync::Arc;
@@ -58,7 +59,7 @@ pub(crate) struct Walks {
 impl Walks {
     /// Leaves a surface through the volume below; false where the path is over.
     pub(super) fn scatter<'a, T: Tracer<'a>>(
-        &self,
+        &'a self,
         tracer: &mut T,
         world: &'a World,
         path: &mut PathState,
