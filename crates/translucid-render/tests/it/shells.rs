@@ -13,7 +13,7 @@ use translucid_reference::layers::{Ground, Layer, Layers, Totals};
 use translucid_render::PixelSample;
 use translucid_render::measure::Frame;
 use translucid_scene::{
-    ColorInput, LayerMedium, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceLayer, SubsurfaceModel,
+    ColorInput, LayerMedium, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceLayer, SubsurfaceModel,
     WalkSurface,
 };
 use translucid_testing::{SplitMix, is_thorough, power};
@@ -196,7 +196,7 @@ fn plane_in_diffuse_light_returns_that_of_exact_layers() {
 fn slab_in_diffuse_light_returns_that_of_exact_layers() {
     for (name, material, thickness) in [
         ("clear", material(WalkSurface::Clear, skin(0.3)), 2.6_f32),
-        ("thin", material(WalkSurface::Clear, skin(-0.4)[..1].to_vec()), 0.9),
+        ("thin, unlike g", material(WalkSurface::Clear, skin(-0.4)[..1].to_vec()), 0.9),
     ] {
         let shells: f64 = material.layers.iter().map(|layer| f64::from(layer.thickness)).sum();
         let exact = totals(&material, f64::from(thickness) - 2.0 * shells, Incidence::Cosine);
@@ -292,6 +292,37 @@ fn slab_lets_through_what_exact_layers_do() {
     }
 }
 
+/// A body that absorbs nothing cannot be seen in a closed box that shines: light samples and paths find the light of near
+/// lamps together.
+#[test]
+fn white_layers_in_a_box_of_light_cannot_be_seen() {
+    let layers = vec![
+        coefficients(0.1, [9.0, 5.0, 1.0], [0.0; 3], 0.5),
+        coefficients(0.3, [0.1, 0.5, 2.0], [0.0; 3], -0.3),
+    ];
+    for eta in [1.0, 1.4] {
+        let mut material = material(WalkSurface::Clear, layers.clone());
+        material.subsurface_color = ColorInput::constant(Vec3::ONE);
+        material.subsurface_eta = eta;
+        let mut scene = scene(vec![sphere(1.2, 24)], material);
+        (scene.integrator.max_depth, scene.integrator.max_diffuse_depth) = (64, 64);
+        for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+            let (x, y) = normal.any_orthonormal_pair();
+            // Facing inward
+            let (x, y) = if x.cross(y).dot(normal) < 0.0 { (x, y) } else { (y, x) };
+            let (center, edge_x, edge_y) = (normal * 1.5, x * 3.0, y * 3.0);
+            scene.lights.push(Light::Rectangle { center, edge_x, edge_y, radiance: Vec3::ONE, visible: true });
+        }
+        let result = measure(
+            &prepare(scene),
+            Vec3::new(0.2, 0.3, 1.4),
+            Vec3::new(0.1, -0.2, -1.0).normalize(),
+            samples(1 << 15),
+        );
+        assert_within(&format!("eta {eta}"), result, Vec3::ONE);
+    }
+}
+
 /// A medium of the slow walk in one channel.
 #[derive(Clone, Copy)]
 struct Medium {
@@ -316,7 +347,7 @@ fn to_sphere(from: DVec3, direction: DVec3, radius: f64) -> f64 {
 }
 
 /// Photons of parallel light along −z on concentric shells, each with its outer radius, from outside in: part of those on the
-/// cross section that leaves, by equal rings in z, with standard errors.
+/// cross section that leaves scattered, by equal rings in z, with standard errors.
 fn slow_walk<const RINGS: usize>(shells: &[(f64, Medium)], photons: u64, seed: u64) -> [(f64, f64); RINGS] {
     let mut random = SplitMix(seed);
     let mut sums = [[0.0; 2]; RINGS];
@@ -327,6 +358,7 @@ fn slow_walk<const RINGS: usize>(shells: &[(f64, Medium)], photons: u64, seed: u
         let mut at = DVec3::new(x, y, (radius * radius - r * r).sqrt());
         let (mut direction, mut weight) = (DVec3::NEG_Z, 1.0);
         let mut depth = -random.uniform().ln_1p_negative();
+        let mut has_scattered = false;
         let ring = loop {
             // The shell just ahead
             let ahead = (at + direction * 1e-9).length();
@@ -343,7 +375,7 @@ fn slow_walk<const RINGS: usize>(shells: &[(f64, Medium)], photons: u64, seed: u
                 continue;
             }
             at += direction * (depth / medium.sigma_t);
-            weight *= medium.alpha;
+            (weight, has_scattered) = (weight * medium.alpha, true);
             if weight < 0.1 {
                 if random.uniform() > weight {
                     break None;
@@ -353,7 +385,7 @@ fn slow_walk<const RINGS: usize>(shells: &[(f64, Medium)], photons: u64, seed: u
             direction = deflect(direction, medium.g, &mut random);
             depth = -random.uniform().ln_1p_negative();
         };
-        if let Some(ring) = ring {
+        if let Some(ring) = ring.filter(|_| has_scattered) {
             sums[ring][0] += weight;
             sums[ring][1] += weight * weight;
         }

@@ -168,7 +168,7 @@ impl Walk<'_> {
             return path.pass(&point, weight);
         }
         let is_refracted = self.eta != 1.0;
-        let origin = MisOrigin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
+        let origin = MisOrigin { point: self.start_of_flight(), normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
         path.diffuse_depth += u32::from(self.has_scattered);
         path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);

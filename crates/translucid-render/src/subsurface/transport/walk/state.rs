@@ -5,11 +5,12 @@ use glam::Vec3;
 use super::common_medium::Media;
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
+use super::through_shells::AmongShells;
 use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
-use crate::surface::{ShellPlace, Shells, WalkMedium};
+use crate::surface::WalkMedium;
 use crate::world::{PathState, World};
 
 /// Share of the light that entered below which walks end at random.
@@ -25,8 +26,7 @@ pub(super) struct Walk<'a> {
     pub(super) side: f32,
     /// Flights to collisions; where there are shells, those through the least dense of all media.
     pub(super) flights: Flights,
-    /// Shells of other media, and the walk's place among them.
-    pub(super) shells: Option<(Shells<'a>, ShellPlace)>,
+    pub(super) shells: Option<AmongShells<'a>>,
     pub(super) phase: HenyeyGreenstein,
     /// Tilt of directions after collisions, where scattering is isotropic.
     pub(super) tilt: Tilt,
@@ -74,7 +74,7 @@ impl<'a> Walk<'a> {
             body,
             side,
             flights: Flights::new(shells.map_or(sigma_t, |shells| shells.least())),
-            shells: shells.map(|shells| (shells, shells.at_surface())),
+            shells: shells.map(|shells| AmongShells::new(shells, at.position)),
             phase: HenyeyGreenstein::new(medium.g),
             tilt: Tilt::NONE,
             alpha: medium.single_scattering_albedo(surface_albedo),

@@ -12,11 +12,30 @@ use super::phase_function::HenyeyGreenstein;
 use super::random::WalkRandom;
 use super::state::Walk;
 use crate::ray::{FlightEnd, Hit};
+use crate::surface::{ShellPlace, Shells};
+
+/// Shells of other media around a walk.
+#[derive(Clone, Copy)]
+pub(super) struct AmongShells<'a> {
+    shells: Shells<'a>,
+    /// The walk's place among them.
+    place: ShellPlace,
+    /// Where the flight under way began: at a collision, or where the walk was reflected or entered.
+    start: Vec3,
+}
+
+impl<'a> AmongShells<'a> {
+    /// A walk that begins at the surface, or just below.
+    pub(super) fn new(shells: Shells<'a>, start: Vec3) -> Self {
+        Self { shells, place: shells.at_surface(), start }
+    }
+}
 
 impl Walk<'_> {
     /// Goes to the next collision, or to the body's end that comes before it, first by the number `u`.
     pub(super) fn advance(&mut self, mut u: f32, random: &mut WalkRandom) -> Option<Hit> {
-        let Some((shells, place)) = &mut self.shells else { return self.fly(u) };
+        let Some(AmongShells { shells, place, start }) = &mut self.shells else { return self.fly(u) };
+        *start = self.at.position;
         let mut skipped = std::mem::take(&mut self.skipped);
         self.events += 1;
         loop {
@@ -61,6 +80,11 @@ impl Walk<'_> {
         }
     }
 
+    /// Point at which the direction was drawn that the walk has come to a surface in.
+    pub(super) fn start_of_flight(&self) -> Vec3 {
+        self.shells.as_ref().map_or(self.at.position, |among| among.start)
+    }
+
     /// Throughput at the end of a way from a collision, for that of a way through the least dense medium.
     pub(super) fn past_shells(
         &self,
@@ -68,7 +92,7 @@ impl Walk<'_> {
         (direction, distance): (Vec3, f32),
         random: &mut WalkRandom,
     ) -> Vec3 {
-        let Some((shells, _)) = &self.shells else { return throughput };
+        let Some(AmongShells { shells, .. }) = &self.shells else { return throughput };
         let way = (self.at.position, direction, distance);
         throughput * shells.transmittance_beyond_least(&self.body, way, || random.next_1d())
     }
