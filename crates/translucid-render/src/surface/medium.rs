@@ -107,6 +107,14 @@ impl WalkMedium {
         Shells::new(&self.shells, innermost, body.depths(objects), finest)
     }
 
+    /// Returns `true` if there are shells, and they or this medium of such mean free paths are finer than positions with a
+    /// rounding error of `offset` resolve.
+    pub(crate) fn has_unresolved_shells(&self, length: Vec3, offset: f32) -> bool {
+        let finest = (LEAST_OFFSETS_OF_MFP * offset).recip();
+        self.has_shells() && (length.recip().max(self.shells.densest()).max_element() > finest)
+            || self.shells.thinnest() < offset
+    }
+
     /// A surface albedo above 0 in every channel in which light may come out of a body of this surface albedo.
     pub(crate) fn brightest(&self, surface_albedo: Vec3) -> Vec3 {
         self.shells.brightest(surface_albedo)

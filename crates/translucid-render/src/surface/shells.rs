@@ -71,6 +71,18 @@ impl ShellMedia {
         self.shells.is_empty()
     }
 
+    /// Greatest extinction coefficients \[L⁻¹\].
+    pub(super) fn densest(&self) -> Vec3 {
+        self.shells.iter().fold(Vec3::ZERO, |densest, (_, medium)| densest.max(medium.sigma_t))
+    }
+
+    /// Least thickness \[L\].
+    pub(super) fn thinnest(&self) -> f32 {
+        let ends = self.shells.iter().map(|(end, _)| *end);
+        let starts = std::iter::once(0.0).chain(ends.clone());
+        ends.zip(starts).map(|(end, start)| end - start).fold(f32::INFINITY, f32::min)
+    }
+
     /// A surface albedo above 0 in every channel in which light may come out of the body.
     pub(crate) fn brightest(&self, innermost: Vec3) -> Vec3 {
         innermost.max(self.brightest)

@@ -186,7 +186,7 @@ fn plane_in_diffuse_light_returns_that_of_exact_layers() {
         scene.environment = uniform_environment(Vec3::ONE);
         let renderer = prepare(scene);
         assert!(renderer.notes().is_empty(), "{:?}", renderer.notes());
-        let result = flux(|sample| sample.subsurface, &renderer, samples(1 << 20), on_plane);
+        let result = flux(|sample| sample.subsurface, &renderer, samples(1 << 19), on_plane);
         assert_exact(name, result, per_channel(|c| exact[c].diffuse_reflectance));
     }
 }
@@ -323,6 +323,26 @@ fn white_layers_in_a_box_of_light_cannot_be_seen() {
     }
 }
 
+/// What is not as stated is said.
+#[test]
+fn notes_tell_what_layers_cannot_do() {
+    let layers = vec![coefficients(0.1, [1.0; 3], [1.0; 3], 0.0)];
+    let notes = |move_to: Vec3, layers: &[SubsurfaceLayer], offset: f32| {
+        let meshes = [Vec3::ZERO, Vec3::X * offset].map(|shift| {
+            let mut mesh = sphere(1.0, 8);
+            mesh.positions.iter_mut().for_each(|p| *p += move_to + shift);
+            mesh
+        });
+        let scene = scene(meshes.to_vec(), material(WalkSurface::Clear, layers.to_vec()));
+        prepare(scene).notes().into_iter().map(|note| note.message).collect::<Vec<_>>()
+    };
+    assert_eq!(notes(Vec3::ZERO, &layers, 3.0), Vec::<String>::new());
+    let overlapping = notes(Vec3::ZERO, &layers, 1.5);
+    assert!(overlapping.len() == 1 && overlapping[0].starts_with("objects object and object may overlap"));
+    let far = notes(Vec3::X * 1e5, &layers, 3.0);
+    assert!(far.len() == 1 && far[0].contains("does not resolve such layers"), "{far:?}");
+}
+
 /// A medium of the slow walk in one channel.
 #[derive(Clone, Copy)]
 struct Medium {
@@ -436,19 +456,19 @@ fn sphere_agrees_with_a_slow_walk_through_concentric_shells() {
                 outer -= f64::from(layer.thickness);
             }
             shells.push((outer, innermost(c, g, 1.0, 1.0).into()));
-            slow_walk(&shells, power(1_600_000), 7 + c as u64)
+            slow_walk(&shells, power(800_000), 7 + c as u64)
         });
         let mut scene = scene(vec![sphere(radius, 96)], layered);
         scene.lights.push(distant(Vec3::Z));
         let renderer = prepare(scene);
-        for ring in 0..RINGS {
+        for ring in [0, 2, 4] {
             let place = |[x, y]: [f64; 2]| {
                 let z = 1.0 - 2.0 * (ring as f64 + x) / RINGS as f64;
                 let (r, phi) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * y);
                 let normal = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32).normalize();
                 (normal * radius, normal)
             };
-            let result = flux(PixelSample::radiance, &renderer, samples(1 << 17), place);
+            let result = flux(PixelSample::radiance, &renderer, samples(1 << 16), place);
             // Light on the cross section πρ² that leaves through the area 4πρ²/n
             let factor = RINGS as f32 / 4.0;
             let expected = (

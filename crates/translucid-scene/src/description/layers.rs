@@ -26,8 +26,8 @@ impl SubsurfaceLayer {
         },
         Key {
             name: "surface_albedo",
-            doc: "color in [0, 1]: the share of diffuse light that an endless layer of this medium would return without a boundary",
-            fallback: Fallback::Words("this and `mfp`, or"),
+            doc: "color in [0, 1], with `mfp`: the share of diffuse light that an endless layer of this medium would return without a boundary",
+            fallback: Fallback::Words("must be given, or `scattering`"),
         },
         Key {
             name: "mfp",
@@ -36,8 +36,8 @@ impl SubsurfaceLayer {
         },
         Key {
             name: "scattering",
-            doc: "color in [0, 1e9]: coefficient σ_s of each channel, per unit of length",
-            fallback: Fallback::Words("this and `absorption`"),
+            doc: "color in [0, 1e9], with `absorption`: coefficient σ_s of each channel, per unit of length",
+            fallback: Fallback::Words("–"),
         },
         Key {
             name: "absorption",
