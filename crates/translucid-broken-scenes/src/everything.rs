@@ -7,8 +7,8 @@ use translucid_profile::Model;
 use translucid_scene::description::Slot;
 use translucid_scene::{
     Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, LayerMedium, Light, Material, Mesh,
-    NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceLayer, SubsurfaceModel,
-    TextureRef, Unit, WalkSurface, Wrap,
+    NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceLayer,
+    SubsurfaceModel, TextureRef, Unit, WalkSurface, Wrap,
 };
 
 /// A valid scene with every kind of light, of material and of texture, four triangulated tetrahedra and a film of 8 × 8

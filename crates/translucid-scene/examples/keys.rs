@@ -13,7 +13,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use translucid_scene::description::{Fallback, Field, Key, Slot, Thing};
-use translucid_scene::{Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceLayer, SubsurfaceModel};
+use translucid_scene::{
+    Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceLayer, SubsurfaceModel,
+};
 
 fn main() -> ExitCode {
     let written = pages().and_then(|pages| {

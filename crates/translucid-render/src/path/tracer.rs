@@ -179,7 +179,7 @@ impl<'a> PathTracer<'a> {
     /// | the path is [soft](crate::path) | no clear part, rough reflections |
     /// | its diffuse depth is spent; light may pass the body straight | no matte base |
     /// | its diffuse depth is spent; any other surface | a black base |
-    /// | it arrives from outside | A is raised where entry points may be brighter than the exit |
+    /// | it arrives from outside | A is raised where entry points, or layers, may be brighter than the exit |
     fn surface_as_seen(
         &self,
         path: &PathState,
@@ -192,8 +192,7 @@ impl<'a> PathTracer<'a> {
         if path.diffuse_depth > 0 && transport.is_lambertian_behind_diffuse() {
             subsurface.length = Vec3::ZERO;
         }
-        let albedo = transport.brightest(subsurface.surface_albedo);
-        let mut seen = stated.with_subsurface(albedo, subsurface.length.cmpgt(Vec3::ZERO));
+        let mut seen = stated.with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
         if vertex.material.geometry_thin_walled {
             seen = seen.scattered_to_both_sides(vertex.material.subsurface_scatter_anisotropy);
         }

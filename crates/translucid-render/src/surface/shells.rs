@@ -6,9 +6,7 @@
 //! up to that distance.
 
 use glam::Vec3;
-use translucid_profile::{
-    AlbedoInversion, Configuration, ParameterError, half_space_surface_albedo,
-};
+use translucid_profile::{AlbedoInversion, Configuration, ParameterError, half_space_surface_albedo};
 use translucid_scene::{LayerMedium, SubsurfaceLayer};
 
 use crate::ray::{Body, Depths};
@@ -46,7 +44,8 @@ impl ShellMedia {
             let (sigma_t, alpha) = match layer.medium {
                 LayerMedium::Appearance { surface_albedo, mfp } => {
                     let known = inversion.take().filter(|known: &AlbedoInversion| known.g() == g);
-                    let known = known.map_or_else(|| AlbedoInversion::new(g, 1.0, Configuration::Diffuse), Ok)?;
+                    let known =
+                        known.map_or_else(|| AlbedoInversion::new(g, 1.0, Configuration::Diffuse), Ok)?;
                     let alpha = surface_albedo.map(|a| known.single_scattering_albedo(f64::from(a)) as f32);
                     inversion = Some(known);
                     (mfp.recip(), alpha)

@@ -118,10 +118,12 @@ impl World {
         let mut attenuation = Vec3::select(scatters, -distance / length, Vec3::NEG_INFINITY).exp();
         if let Some(shells) = &shells {
             let bits = point.position.to_array().map(|x| u64::from(x.to_bits()));
-            let seed = bits.into_iter().fold(u64::from(reach.random.to_bits()), |seed, x| split_mix(seed ^ x));
+            let seed =
+                bits.into_iter().fold(u64::from(reach.random.to_bits()), |seed, x| split_mix(seed ^ x));
             let mut numbers = (0..).map(|n: u64| split_mix(seed.wrapping_add(STEP.wrapping_mul(n))));
             let number = move || numbers.next().map_or(0.0, |bits| (bits >> 40) as f32 / 16_777_216.0);
-            attenuation *= shells.transmittance_beyond_least(&body, (point.position, direction, distance), number);
+            attenuation *=
+                shells.transmittance_beyond_least(&body, (point.position, direction, distance), number);
         }
         let end = self.surface_point(&hit);
         let transmittance = seen * attenuation * self.entering(&end, direction, side);

@@ -13,8 +13,8 @@ use translucid_reference::layers::{Ground, Layer, Layers, Totals};
 use translucid_render::PixelSample;
 use translucid_render::measure::Frame;
 use translucid_scene::{
-    ColorInput, LayerMedium, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceLayer, SubsurfaceModel,
-    WalkSurface,
+    ColorInput, LayerMedium, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceLayer,
+    SubsurfaceModel, WalkSurface,
 };
 use translucid_testing::{SplitMix, is_thorough, power};
 
@@ -52,8 +52,7 @@ fn dielectric(eta: f32, g: f32, layers: Vec<SubsurfaceLayer>) -> Material {
 }
 
 fn coefficients(thickness: f32, scattering: [f32; 3], absorption: [f32; 3], g: f32) -> SubsurfaceLayer {
-    let medium =
-        LayerMedium::Coefficients { scattering: scattering.into(), absorption: absorption.into() };
+    let medium = LayerMedium::Coefficients { scattering: scattering.into(), absorption: absorption.into() };
     SubsurfaceLayer { thickness, medium, g }
 }
 
@@ -171,10 +170,8 @@ fn assert_exact(name: &str, result: (Vec3, Vec3), expected: Vec3) {
 /// A half space in the same light from everywhere returns what exact layers do.
 #[test]
 fn plane_in_diffuse_light_returns_that_of_exact_layers() {
-    let matched = |surface, g: f32, layers| Material {
-        subsurface_scatter_anisotropy: g,
-        ..material(surface, layers)
-    };
+    let matched =
+        |surface, g: f32, layers| Material { subsurface_scatter_anisotropy: g, ..material(surface, layers) };
     for (name, material) in [
         ("clear", matched(WalkSurface::Clear, 0.0, skin(0.0))),
         ("clear, g 0.8", matched(WalkSurface::Clear, 0.8, skin(0.8))),
@@ -234,6 +231,22 @@ fn thin_layer_leaves_the_innermost_medium() {
     assert_within("thin", result, ALBEDO);
 }
 
+/// A layer on a black body is seen.
+#[test]
+fn bright_layer_on_a_black_body_is_seen() {
+    let layer = coefficients(0.5, [4.0, 2.0, 1.0], [0.0, 0.1, 1.0], 0.2);
+    let mut material = material(WalkSurface::Clear, vec![layer]);
+    material.subsurface_color = ColorInput::constant(Vec3::ZERO);
+    let mut scene = plane(material);
+    scene.environment = uniform_environment(Vec3::ONE);
+    let result = flux(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
+    let expected = per_channel(|c| {
+        let layers = Layers::new(1.0, vec![exact_layer(&layer, c)], Ground::BLACK).unwrap();
+        layers.totals(Incidence::Cosine).unwrap().diffuse_reflectance
+    });
+    assert_within("black", result, expected);
+}
+
 /// Layers of the body's own medium are the body.
 #[test]
 fn equal_layers_are_one_medium() {
@@ -279,7 +292,12 @@ fn slab_lets_through_what_exact_layers_do() {
         scene.materials.push(matte(Vec3::splat(1e-3)));
         let mut floor = quad(Vec3::NEG_Z * 5.0, Vec3::X * 500.0, Vec3::Y * 500.0);
         floor.positions.iter_mut().for_each(|p| p.z -= 1.0);
-        scene.objects.push(Object { mesh: floor.into(), material: 1, subsurface_group: 1, ..Object::default() });
+        scene.objects.push(Object {
+            mesh: floor.into(),
+            material: 1,
+            subsurface_group: 1,
+            ..Object::default()
+        });
         scene.lights.push(distant(Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)));
         (scene.integrator.max_depth, scene.integrator.max_diffuse_depth) = (8, 8);
         let from = Vec3::new(3.3, 1.1, -4.0);
@@ -311,7 +329,13 @@ fn white_layers_in_a_box_of_light_cannot_be_seen() {
             // Facing inward
             let (x, y) = if x.cross(y).dot(normal) < 0.0 { (x, y) } else { (y, x) };
             let (center, edge_x, edge_y) = (normal * 1.5, x * 3.0, y * 3.0);
-            scene.lights.push(Light::Rectangle { center, edge_x, edge_y, radiance: Vec3::ONE, visible: true });
+            scene.lights.push(Light::Rectangle {
+                center,
+                edge_x,
+                edge_y,
+                radiance: Vec3::ONE,
+                visible: true,
+            });
         }
         let result = measure(
             &prepare(scene),
@@ -443,11 +467,10 @@ fn deflect(direction: DVec3, g: f64, random: &mut SplitMix) -> DVec3 {
 fn sphere_agrees_with_a_slow_walk_through_concentric_shells() {
     const RINGS: usize = 5;
     let radius = 2.0_f32;
-    for (g, layers) in [(0.0, skin(0.7)), (0.5, vec![skin(0.0)[1], coefficients(0.8, [0.0; 3], [0.0; 3], 0.0)])] {
-        let layered = Material {
-            subsurface_scatter_anisotropy: g,
-            ..material(WalkSurface::Clear, layers)
-        };
+    for (g, layers) in
+        [(0.0, skin(0.7)), (0.5, vec![skin(0.0)[1], coefficients(0.8, [0.0; 3], [0.0; 3], 0.0)])]
+    {
+        let layered = Material { subsurface_scatter_anisotropy: g, ..material(WalkSurface::Clear, layers) };
         let expected: [[(f64, f64); RINGS]; 3] = std::array::from_fn(|c| {
             let mut shells = Vec::new();
             let mut outer = f64::from(radius);
@@ -476,7 +499,10 @@ fn sphere_agrees_with_a_slow_walk_through_concentric_shells() {
                 per_channel(|c| expected[c][ring].1) * factor,
             );
             let result = scaled(result, PI);
-            println!("g {g}, ring {ring}: {} ± {}, expected {} ± {}", result.0, result.1, expected.0, expected.1);
+            println!(
+                "g {g}, ring {ring}: {} ± {}, expected {} ± {}",
+                result.0, result.1, expected.0, expected.1
+            );
             assert_agree(&format!("g {g}, ring {ring}"), result, expected);
         }
     }

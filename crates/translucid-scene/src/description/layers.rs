@@ -152,11 +152,7 @@ pub(super) fn write_layers(layers: &[SubsurfaceLayer]) -> Value {
 }
 
 /// Visits every number of layers.
-pub(super) fn visit_layers(
-    key: &str,
-    layers: &mut [SubsurfaceLayer],
-    visit: &mut dyn FnMut(&str, Part<'_>),
-) {
+pub(super) fn visit_layers(key: &str, layers: &mut [SubsurfaceLayer], visit: &mut dyn FnMut(&str, Part<'_>)) {
     for (number, layer) in layers.iter_mut().enumerate() {
         layer.visit(&format!("{key}[{number}]"), visit);
     }

@@ -245,15 +245,18 @@ fn broken_layers_are_refused() {
     let message = "material[0].layer[0].absorption is -1, but must be in [0, 1e9]";
     refuse_layer("scattering = 1\nabsorption = -1\nthickness = 1", message, "-1");
     refuse_layer(medium, "material[0].layer[0] needs the key thickness", "[[material.layer]]");
-    refuse_layer("thickness = 1\nmfp = 1", "material[0].layer[0] needs the key surface_albedo", "[[material.layer]]");
+    refuse_layer(
+        "thickness = 1\nmfp = 1",
+        "material[0].layer[0] needs the key surface_albedo",
+        "[[material.layer]]",
+    );
     let message = "material[0].layer[0] needs surface_albedo and mfp, or scattering and absorption";
     refuse_layer("thickness = 1", message, "[[material.layer]]");
     let message = "material[0].layer[0].mfp and material[0].layer[0].scattering are given, but a layer has surface_albedo and mfp, or scattering and absorption";
     refuse_layer("thickness = 1\nmfp = 1\nscattering = 2", message, "2");
     let message = "material[0].layer is [], but must be one layer or more, or \"none\"";
     refuse_material("layer = []", message, "[]", "");
-    let message =
-        "material[0].layer is a number, but must be an array of tables, each with the header [[material.layer]]";
+    let message = "material[0].layer is a number, but must be an array of tables, each with the header [[material.layer]]";
     refuse_material("layer = 3", message, "3", "");
     let layer = "layer = [{ thickness = 1, scattering = 1, absorption = 1 }]";
     let message = "material[0].subsurface_model is \"dipole\", but must be a random walk or left out, because the material has layers";
@@ -261,7 +264,8 @@ fn broken_layers_are_refused() {
     let message =
         "material[0].subsurface_table is \"a.csv\", but must be left out, because the material has layers";
     refuse_material(&format!("{layer}\nsubsurface_table = \"a.csv\""), message, "\"a.csv\"", "");
-    let message = "material[0].geometry_thin_walled is true, but must be false, because the material has layers";
+    let message =
+        "material[0].geometry_thin_walled is true, but must be false, because the material has layers";
     refuse_material(&format!("{layer}\ngeometry_thin_walled = true"), message, "true", "");
     let many = vec!["{ thickness = 1, scattering = 1, absorption = 1 }"; 101].join(", ");
     let message = "there are 101 of material[0].layer, but at most 100 are allowed";

@@ -5,7 +5,8 @@ use translucid_profile::convention::preset;
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, ImageKind,
     Integrator, LayerMedium, Light, Material, Projection, ScalarInput, SubsurfaceLayer, SubsurfaceMethod,
-    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
+    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
+    Wrap,
 };
 
 use super::{BALL, load, parse};
@@ -220,7 +221,10 @@ fn material_reads_layers() {
         },
         SubsurfaceLayer {
             thickness: 1e9,
-            medium: LayerMedium::Coefficients { scattering: Vec3::splat(2.0), absorption: Vec3::new(0.0, 0.5, 0.0) },
+            medium: LayerMedium::Coefficients {
+                scattering: Vec3::splat(2.0),
+                absorption: Vec3::new(0.0, 0.5, 0.0),
+            },
             g: 0.0,
         },
     ];

@@ -9,9 +9,9 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 use tempfile::TempDir;
 use translucid_scene::description::{Content, Provenance, Slot, Value, quoted};
 use translucid_scene::{
-    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, LayerMedium, Light, Material,
-    Projection, Scene, SceneError, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, ToneMapping, Unit,
+    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, LayerMedium, Light,
+    Material, Projection, Scene, SceneError, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
 };
 use translucid_testing::{SplitMix, power};
 
@@ -264,7 +264,8 @@ impl Random {
             material.geometry_normal = None;
         }
         if self.chance(3) {
-            let [thickness, surface_albedo, mfp] = [self.number(), self.number(), self.number()].map(f32::abs);
+            let [thickness, surface_albedo, mfp] =
+                [self.number(), self.number(), self.number()].map(f32::abs);
             let surface_albedo = Vec3::splat(surface_albedo);
             let medium = match self.chance(2) {
                 true => LayerMedium::Appearance { surface_albedo, mfp: Vec3::splat(mfp) },
@@ -535,8 +536,7 @@ fn layers_are_written_and_taken_away() {
     layered.materials[0].layers = vec![SubsurfaceLayer { thickness: 0.25, medium, g: 0.5 }];
     let base = ExtendedBase { extends: "still-life".into(), ..ExtendedBase::default() };
     let text = base.write(&plain, &layered, None).unwrap();
-    let line =
-        "layer = [{ thickness = 0.25, scattering = [0.1, 2.0, 3.0], absorption = 1e-7, g = 0.5 }]";
+    let line = "layer = [{ thickness = 0.25, scattering = [0.1, 2.0, 3.0], absorption = 1e-7, g = 0.5 }]";
     assert!(text.contains(line), "{text}");
     let text = base.write(&layered, &plain, None).unwrap();
     assert!(text.ends_with("layer = \"none\"\n"), "{text}");

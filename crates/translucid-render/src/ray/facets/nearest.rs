@@ -75,7 +75,8 @@ mod tests {
             let tree = Facets::new(facets.clone());
             for i in 0..200 {
                 let from = Vec3::new(random(i, 0), random(i, 1), random(i, 2)) * 4.0 - 2.0;
-                let least = facets.iter().map(|facet| facet.squared_distance(from)).fold(f32::INFINITY, f32::min);
+                let least =
+                    facets.iter().map(|facet| facet.squared_distance(from)).fold(f32::INFINITY, f32::min);
                 assert_eq!(tree.distance(from, 100.0), least.sqrt().min(100.0), "{count} {from}");
                 assert_eq!(tree.distance(from, 0.05), least.sqrt().min(0.05), "{count} {from}");
             }

@@ -109,11 +109,6 @@ impl SubsurfaceTransport {
         }
     }
 
-    /// A surface albedo above 0 in every channel in which light may come out of a body of this surface albedo.
-    pub(crate) fn brightest(&self, surface_albedo: Vec3) -> Vec3 {
-        self.medium().map_or(surface_albedo, |medium| medium.brightest(surface_albedo))
-    }
-
     /// The medium, where the transport walks through it.
     pub(crate) fn medium(&self) -> Option<&Arc<WalkMedium>> {
         if let Self::Walk(walks) = self { Some(&walks.medium) } else { None }
@@ -127,8 +122,12 @@ impl SubsurfaceTransport {
         }
     }
 
-    /// Makes paths look below a material where an exit is dark, but light may have entered where it is bright.
+    /// Makes paths look below a material where an exit is dark, but light may have entered where it is bright, or have been
+    /// scattered by a brighter layer.
     pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
+        if let Some(medium) = self.medium().filter(|_| surface.subsurface_active != [false; 3]) {
+            surface.surface_albedo = medium.brightest(surface.surface_albedo);
+        }
         if let Some(pairing) = self.probes().and_then(|probes| probes.pairing.as_ref()) {
             pairing.brighten(surface);
         }

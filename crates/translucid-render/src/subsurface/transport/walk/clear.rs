@@ -168,7 +168,8 @@ impl Walk<'_> {
             return path.pass(&point, weight);
         }
         let is_refracted = self.eta != 1.0;
-        let origin = MisOrigin { point: self.start_of_flight(), normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
+        let origin =
+            MisOrigin { point: self.start_of_flight(), normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
         path.diffuse_depth += u32::from(self.has_scattered);
         path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
@@ -246,7 +247,8 @@ impl Walk<'_> {
         let throughput = throughput(distance) * weight;
         let beyond = LightSample { distance: light.distance - distance, ..*light };
         let soft = !world.scene.integrator.caustics;
-        let medium = ShadowMedium { absorption: path.absorption, soft, random: self.at.position.element_sum() };
+        let medium =
+            ShadowMedium { absorption: path.absorption, soft, random: self.at.position.element_sum() };
         let received = weighed(world.unoccluded(&point, &beyond, medium), mis / light.pdf);
         path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
         distance
