@@ -139,7 +139,11 @@ impl Slot<'_> {
                 visit("subsurface_model.tabulated", Part::Index(table, List::ProfileTables));
             }
             Self::Model(_) => {}
-            Self::Layers(layers) => visit_layers(key, layers, visit),
+            Self::Layers(layers) => {
+                visit_layers(key, layers, &mut |name, number, range| {
+                    visit(name, Part::Number(number, range))
+                });
+            }
         }
     }
 

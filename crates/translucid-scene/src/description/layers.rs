@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::check::Part;
 use super::field::{Fallback, Key};
 use super::table::{Item, Table};
 use super::value::{Content, Entry, Value};
@@ -111,7 +110,7 @@ impl SubsurfaceLayer {
         entries.into()
     }
 
-    fn visit(&mut self, name: &str, visit: &mut dyn FnMut(&str, Part<'_>)) {
+    fn visit(&mut self, name: &str, visit: &mut dyn FnMut(&str, &mut f32, Interval)) {
         let cosines = self.cosines();
         let colors: [(&str, &mut Vec3, Interval); 2] = match &mut self.medium {
             LayerMedium::Appearance { surface_albedo, mfp } => {
@@ -121,13 +120,13 @@ impl SubsurfaceLayer {
                 [("scattering", scattering, COEFFICIENT), ("absorption", absorption, COEFFICIENT)]
             }
         };
-        visit(&format!("{name}.thickness"), Part::Number(&mut self.thickness, THICKNESS));
+        visit(&format!("{name}.thickness"), &mut self.thickness, THICKNESS);
         for (key, color, range) in colors {
             for (c, number) in color.as_mut().iter_mut().enumerate() {
-                visit(&format!("{name}.{key}[{c}]"), Part::Number(number, range));
+                visit(&format!("{name}.{key}[{c}]"), number, range);
             }
         }
-        visit(&format!("{name}.g"), Part::Number(&mut self.g, cosines));
+        visit(&format!("{name}.g"), &mut self.g, cosines);
     }
 }
 
@@ -152,7 +151,11 @@ pub(super) fn write_layers(layers: &[SubsurfaceLayer]) -> Value {
 }
 
 /// Visits every number of layers.
-pub(super) fn visit_layers(key: &str, layers: &mut [SubsurfaceLayer], visit: &mut dyn FnMut(&str, Part<'_>)) {
+pub(super) fn visit_layers(
+    key: &str,
+    layers: &mut [SubsurfaceLayer],
+    visit: &mut dyn FnMut(&str, &mut f32, Interval),
+) {
     for (number, layer) in layers.iter_mut().enumerate() {
         layer.visit(&format!("{key}[{number}]"), visit);
     }

@@ -20,6 +20,7 @@
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: the walk counts how many
 //! it is in, and is outside when there are none.
 
+mod among_shells;
 mod attenuation;
 mod clear;
 mod common_medium;

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
+use super::among_shells::AmongShells;
 use super::common_medium::Media;
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
-use super::through_shells::AmongShells;
 use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::subsurface::exit_point::ExitPoint;

@@ -7,29 +7,12 @@
 
 use glam::Vec3;
 
+use super::among_shells::AmongShells;
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
 use super::random::WalkRandom;
 use super::state::Walk;
 use crate::ray::{FlightEnd, Hit};
-use crate::surface::{ShellPlace, Shells};
-
-/// Shells of other media around a walk.
-#[derive(Clone, Copy)]
-pub(super) struct AmongShells<'a> {
-    shells: Shells<'a>,
-    /// The walk's place among them.
-    place: ShellPlace,
-    /// Where the flight under way began: at a collision, or where the walk was reflected or entered.
-    start: Vec3,
-}
-
-impl<'a> AmongShells<'a> {
-    /// A walk that begins at the surface, or just below.
-    pub(super) fn new(shells: Shells<'a>, start: Vec3) -> Self {
-        Self { shells, place: shells.at_surface(), start }
-    }
-}
 
 impl Walk<'_> {
     /// Goes to the next collision, or to the body's end that comes before it, first by the number `u`.
