@@ -159,7 +159,6 @@ fn slab(thickness: f32, material: Material) -> Scene {
 /// [`assert_within`], and at the whole power within 0.3 %, known to 0.1 %.
 fn assert_exact(name: &str, result: (Vec3, Vec3), expected: Vec3) {
     let off = (result.0 / expected - 1.0) * 100.0;
-    println!("{name}: {} ± {}, expected {expected}: off by {off} %", result.0, result.1);
     assert_within(name, result, expected);
     if is_thorough() {
         assert!(off.abs().max_element() < 0.3, "{name}: off by {off} %");
@@ -499,10 +498,6 @@ fn sphere_agrees_with_a_slow_walk_through_concentric_shells() {
                 per_channel(|c| expected[c][ring].1) * factor,
             );
             let result = scaled(result, PI);
-            println!(
-                "g {g}, ring {ring}: {} ± {}, expected {} ± {}",
-                result.0, result.1, expected.0, expected.1
-            );
             assert_agree(&format!("g {g}, ring {ring}"), result, expected);
         }
     }

@@ -141,7 +141,7 @@ impl Slot<'_> {
             Self::Model(_) => {}
             Self::Layers(layers) => {
                 visit_layers(key, layers, &mut |name, number, range| {
-                    visit(name, Part::Number(number, range))
+                    visit(name, Part::Number(number, range));
                 });
             }
         }
