@@ -2,7 +2,7 @@
 //! and walks through one medium.
 //!
 //! Every test fixes its seed. A mean counts as right within four standard errors: a false alarm in 2,700 comparisons, see
-//! `random_walk`. What planes and slabs return is known to 0.3 % or better at the whole power, by one standard error.
+//! `random_walk`. What planes and slabs return is known to 0.5 % or better at the whole power, by one standard error.
 
 use std::f32::consts::PI;
 
@@ -156,11 +156,11 @@ fn slab(thickness: f32, material: Material) -> Scene {
     scene(vec![top, bottom], material)
 }
 
-/// [`assert_within`], with standard errors below 0.3 % at the whole power.
+/// [`assert_within`], with standard errors below 0.5 % at the whole power.
 fn assert_exact(name: &str, result: (Vec3, Vec3), expected: Vec3) {
     assert_within(name, result, expected);
     let precision = result.1 / expected;
-    assert!(!is_thorough() || precision.max_element() < 3e-3, "{name}: not precise: {precision}");
+    assert!(!is_thorough() || precision.max_element() < 5e-3, "{name}: not precise: {precision}");
 }
 
 /// A half space in the same light from everywhere returns what exact layers do.
