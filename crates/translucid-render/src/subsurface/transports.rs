@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{Scene, SubsurfaceMethod};
+use translucid_scene::{Object, Scene, SubsurfaceMethod};
 
 use super::exit_point::ExitPoint;
 use super::normalization::Normalizer;
@@ -15,6 +15,9 @@ use super::transport::{SubsurfaceTransport, Tracer};
 use crate::ray::offset_at;
 use crate::sampling::Sampler;
 use crate::world::{Media, PathState, World};
+
+/// Objects with layers that are compared with all others.
+const MOST_LAYERED: usize = 256;
 
 /// The transport of each material of a scene, and the points and shapes that they share.
 ///
@@ -76,6 +79,18 @@ impl Transports {
             let stated = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
             let albedo = material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE);
             let length = |at: f32| transport.length(albedo, stated, offset_at(at));
+            let offset = offset_at(nearest);
+            if transport.medium().is_some_and(|medium| medium.has_unresolved_shells(length(0.0), offset)) {
+                let message = format!(
+                    "object {} is {nearest} {} from the scene's origin, where single precision does not resolve such \
+                     layers: they are rendered thicker or less dense; aim the camera at it, which moves the origin there",
+                    object.name,
+                    scene.unit.name()
+                );
+                let material = Some(material.name.clone());
+                notes.push(Note { kind: NoteKind::Unresolved, material, message });
+                continue;
+            }
             if length(0.0) != Vec3::ZERO && length(nearest) == Vec3::ZERO {
                 let message = format!(
                     "object {} is {nearest} {} from the scene's origin, where single precision does not resolve so short a \
@@ -89,6 +104,31 @@ impl Transports {
                     message,
                 });
             }
+        }
+        notes
+    }
+
+    /// Notes for the user on materials whose layers follow surfaces inside a body of several meshes.
+    pub(crate) fn notes_on_layers(scene: &Scene) -> Vec<Note> {
+        let has_layers = |object: &&Object| !scene.materials[object.material].layers.is_empty();
+        let mut notes: Vec<Note> = Vec::new();
+        for object in scene.objects.iter().filter(has_layers).take(MOST_LAYERED) {
+            let name = &scene.materials[object.material].name;
+            let (low, high) = object.bounds();
+            let meets = |other: &&Object| {
+                let (from, to) = other.bounds();
+                other.subsurface_group == object.subsurface_group
+                    && !std::ptr::eq(*other, object)
+                    && (low.max(from).cmple(high.min(to))).all()
+            };
+            let is_known = notes.iter().any(|note| note.material.as_ref() == Some(name));
+            let Some(other) = scene.objects.iter().find(meets).filter(|_| !is_known) else { continue };
+            let message = format!(
+                "objects {} and {} may overlap and are one body: its layers follow both surfaces, also where one is inside \
+                 the other",
+                object.name, other.name
+            );
+            notes.push(Note { kind: NoteKind::LayersInside, material: Some(name.clone()), message });
         }
         notes
     }
