@@ -23,7 +23,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-python", 5100),
     ("translucid-reference", 9700),
     ("translucid-render", 17470),
-    ("translucid-scene", 3870),
+    ("translucid-scene", 3880),
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
     ("translucid-view", 2650),
