@@ -79,12 +79,24 @@ impl Transports {
             let stated = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
             let albedo = material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE);
             let length = |at: f32| transport.length(albedo, stated, offset_at(at));
-            let offset = offset_at(nearest);
-            if transport.medium().is_some_and(|medium| medium.has_unresolved_shells(length(0.0), offset)) {
+            let is_unresolved = |at: f32| {
+                let medium = transport.medium();
+                medium.is_some_and(|medium| medium.has_unresolved_shells(length(0.0), offset_at(at)))
+            };
+            if transport.medium().is_some_and(|medium| medium.has_shells())
+                && is_unresolved(high.abs().max(low.abs()).max_element())
+                && is_unresolved(nearest_facet(object))
+            {
+                let advice = if nearest > 0.0 {
+                    "aim the camera at it, which moves the origin there"
+                } else {
+                    "make them thicker or less dense"
+                };
                 let message = format!(
-                    "object {} is {nearest} {} from the scene's origin, where single precision does not resolve such \
-                     layers: they are rendered thicker or less dense; aim the camera at it, which moves the origin there",
+                    "object {} is {} {} from the scene's origin, where single precision does not resolve such layers: \
+                     they are rendered thicker or less dense; {advice}",
                     object.name,
+                    nearest_facet(object),
                     scene.unit.name()
                 );
                 let material = Some(material.name.clone());
@@ -194,4 +206,14 @@ impl Transports {
 /// The media that light may pass without being scattered, for each material that has one.
 pub(crate) fn media(transports: &[Arc<SubsurfaceTransport>]) -> Media {
     Media::new(transports.iter().map(|transport| transport.medium()))
+}
+
+/// Least distance \[L\] of an object's facets, or of boxes around them, from the origin, by the largest coordinate.
+fn nearest_facet(object: &Object) -> f32 {
+    let at = |vertex: u32| object.world_from_local.transform_point3(object.mesh.positions[vertex as usize]);
+    let distance = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(at);
+        Vec3::ZERO.clamp(a.min(b).min(c), a.max(b).max(c)).abs().max_element()
+    };
+    object.mesh.triangles.iter().map(distance).fold(f32::INFINITY, f32::min)
 }

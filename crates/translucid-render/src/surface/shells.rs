@@ -13,6 +13,8 @@ use crate::ray::{Body, Depths};
 
 /// Transmittance below which light is looked for at random.
 const ROULETTE_BELOW: f32 = 0.1;
+/// What may come straight through the densest layer: at the rim of a body the way through it is short.
+const LEAST_STRAIGHT: f32 = 0.1;
 
 /// A medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub(crate) struct ShellMedium {
 /// Media of shells from the surface inwards, each with the depth \[L\] at which it ends.
 pub(crate) struct ShellMedia {
     shells: Vec<(f32, ShellMedium)>,
-    /// Greatest surface albedos of endless layers of these media, about.
+    /// Greatest surface albedos of endless layers of these media, about, or transmittances of the layers.
     brightest: Vec3,
 }
 
@@ -60,6 +62,8 @@ impl ShellMedia {
                 let similar = alpha * (1.0 - g) / (1.0 - alpha * g);
                 half_space_surface_albedo(similar, Configuration::Diffuse) as f32
             });
+            let straight = (-sigma_t * layer.thickness).exp().max(Vec3::splat(LEAST_STRAIGHT));
+            let albedo = albedo.max(straight);
             new.brightest = new.brightest.max(albedo);
             new.shells.push((depth as f32, ShellMedium { sigma_t, alpha, g: layer.g }));
         }

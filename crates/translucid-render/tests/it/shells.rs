@@ -361,6 +361,22 @@ fn notes_tell_what_layers_cannot_do() {
     assert!(overlapping.len() == 1 && overlapping[0].starts_with("objects object and object may overlap"));
     let far = notes(Vec3::X * 1e5, &layers, 3.0);
     assert!(far.len() == 1 && far[0].contains("does not resolve such layers"), "{far:?}");
+    // Around the origin, too
+    for layer in [coefficients(1e-8, [1.0; 3], [1.0; 3], 0.0), coefficients(0.1, [1e6; 3], [1.0; 3], 0.0)] {
+        let around = notes(Vec3::ZERO, &[layer], 3.0);
+        assert!(around.len() == 1 && around[0].contains("make them thicker or less dense"), "{around:?}");
+    }
+}
+
+/// Light passes the rim of a body that is clear around what is black.
+#[test]
+fn clear_layer_around_a_black_core_is_seen_through() {
+    let layered = material(WalkSurface::Clear, vec![coefficients(0.3, [0.0; 3], [0.0; 3], 0.0)]);
+    let black = Material { subsurface_color: ColorInput::constant(Vec3::ZERO), ..layered };
+    let mut scene = scene(vec![sphere(2.0, 64)], black);
+    scene.environment = uniform_environment(Vec3::ONE);
+    let (mean, error) = measure(&prepare(scene), Vec3::new(1.85, 0.0, 9.0), Vec3::NEG_Z, samples(1 << 14));
+    assert!(((mean - 1.0).abs() - 4.0 * error).max_element() < 1e-3, "{mean} {error}");
 }
 
 /// A medium of the slow walk in one channel.

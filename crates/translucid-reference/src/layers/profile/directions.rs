@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
 use super::super::rays::squared_indices;
-use super::super::{Layer, Layers, LayersError};
+use super::super::{Ground, Layer, Layers, LayersError};
 use super::hankel::Hankel;
 use super::poles::Poles;
 use super::remainder::{Remainder, remainder};
@@ -22,6 +22,8 @@ pub(super) struct Side {
     farthest: f64,
     /// Part of the value that equations left unsolved.
     left: f64,
+    /// Error over the difference of the two solutions.
+    caution: f64,
 }
 
 /// How finely the finer and the coarser solution are made.
@@ -97,7 +99,9 @@ impl Side {
         let [fine, coarse] = settings(layers);
         let Solution { sides: [above, below], farthest, left } = solve(layers, unit, &fine);
         let [coarse_above, coarse_below] = solve(layers, unit, &coarse).sides;
-        let side = |fine, coarse| Self { solutions: [fine, coarse], farthest, left };
+        let is_clear = layers.layers().iter().any(|layer| layer.scattering == 0.0);
+        let caution = CAUTION[usize::from(is_clear)];
+        let side = |fine, coarse| Self { solutions: [fine, coarse], farthest, left, caution };
         [side(above, coarse_above), side(below, coarse_below)]
     }
 
@@ -110,7 +114,10 @@ impl Side {
         });
         let doubt = beside.into_iter().fold((value - coarse).abs(), f64::max);
         let unknown = if r > self.farthest { value.abs() } else { 0.0 };
-        Estimate { value: value.max(0.0), error: doubt + (COMMON + 10.0 * self.left) * value.abs() + unknown }
+        Estimate {
+            value: value.max(0.0),
+            error: self.caution * doubt + (COMMON + 10.0 * self.left) * value.abs() + unknown,
+        }
     }
 
     fn values(&self, r: f64) -> [f64; 2] {
@@ -142,6 +149,19 @@ impl Layers {
             allowed,
             None,
         )?;
+        if matches!(self.ground, Ground::Lambertian { reflectance } if reflectance > 0.0) {
+            // The beam's spot on the ground is seen as sharp as it is far
+            let thickness: f64 = self.layers().iter().map(|layer| layer.thickness).sum();
+            let depth = thickness * extinctions().fold(0.0, f64::max);
+            let allowed = "at least 1 for a profile with faces or of scatterers that are not isotropic, or a black ground";
+            require(
+                depth >= 1.0,
+                "mean free paths of the densest layer that the ground is deep",
+                depth,
+                allowed,
+                None,
+            )?;
+        }
         for (i, layer) in scattering() {
             let peak = layer.deflection.moment(MOMENTS[MOMENTS.len() - 1]).abs();
             let allowed = "at most 0.1 for a profile, which is g = 0.93";
@@ -151,6 +171,9 @@ impl Layers {
     }
 }
 
+/// Error over the difference of the two solutions, without and with clear layers: both have few directions for the long ways
+/// that light goes through those.
+const CAUTION: [f64; 2] = [2.0, 4.0];
 /// Error as a part of the value that is in both solutions.
 const COMMON: f64 = 3e-4;
 

@@ -76,7 +76,7 @@ impl Layers {
     /// Layers of isotropic scatterers (g = 0) without a face that reflects are solved by an integral equation over depth and
     /// complex wave numbers: R(r) to 1e-4 of itself or better for r from 1e-4 to 30 mean free paths, which its error states;
     /// beyond, to less where hardly anything absorbs.
-    /// All others are solved by discrete directions for real wave numbers, twice: the difference is the error. For g = 0 it
+    /// All others are solved by discrete directions for real wave numbers, twice: the difference tells the error. For g = 0 it
     /// is below 1e-3 from 0.003 to 3 mean free paths; for g = 0.8 about 1e-3 from 0.1 to 3 transport mean free paths of an
     /// endless layer, and up to some per cent of itself in slabs of a few mean free paths. It grows beyond.
     ///
@@ -93,8 +93,8 @@ impl Layers {
     ///
     /// # Errors
     /// There are too many layers: some 15, and 10 that scatter with faces or by another law than the isotropic one; then more
-    /// than 4 indices of refraction, extinction coefficients that differ by more than a factor of 1000 and |g| above 0.93 are
-    /// refused as well.
+    /// than 4 indices of refraction, extinction coefficients that differ by more than a factor of 1000, |g| above 0.93 and a
+    /// ground that is not black less than a mean free path deep are refused as well.
     pub fn profile(&self) -> Result<LayersProfile, LayersError> {
         let extinctions: Vec<f64> =
             (self.layers.iter()).filter(|layer| layer.scattering > 0.0).map(Layer::extinction).collect();

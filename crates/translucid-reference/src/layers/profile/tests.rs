@@ -224,6 +224,15 @@ fn profiles_that_are_not_solved_are_refused() {
     let layers = [1.1, 1.2, 1.3, 1.4].map(|eta| plain.clone().with_eta(eta));
     assert!(refused(layers.into(), Ground::AIR).contains("number of different eta is 5"));
     assert!(refused(vec![plain; 100], Ground::AIR).contains("number of depths that the layers need is"));
+    // Light of a spot on the ground is as sharp as the layers are thin
+    let white = Ground::Lambertian { reflectance: 0.9 };
+    for thin in [
+        vec![Layer::new(1.0, 0.1, 0.01).with_g(0.3).with_eta(1.5)],
+        vec![Layer::new(0.0, 0.0, 1e-3).with_eta(1.5)],
+    ] {
+        assert!(refused(thin.clone(), white).contains("that the ground is deep is 0"));
+        assert!(Layers::new(1.0, thin, Ground::BLACK).unwrap().profile().is_ok());
+    }
 }
 
 /// Faces, by the exact half space under a boundary.
@@ -312,9 +321,9 @@ fn extremes_give_numbers() {
         (vec![Layer::new(1.0, 0.0, 1e6)], Ground::AIR),
         (vec![Layer::new(1e-6, 0.0, 1e-3), Layer::new(1e3, 1.0, 10.0)], Ground::BLACK),
         (vec![Layer::new(0.0, 0.0, 1.0).with_eta(1.5)], Ground::AIR),
-        (vec![Layer::new(0.0, 0.0, 1.0).with_eta(1.5)], Ground::Lambertian { reflectance: 1.0 }),
+        (vec![Layer::new(0.01, 0.0, 200.0).with_eta(1.5)], Ground::Lambertian { reflectance: 1.0 }),
         (vec![Layer::new(1.0, 0.0, 1e5).with_eta(1.3)], Ground::AIR),
-        (vec![Layer::new(1e-3, 0.0, 1e-9).with_g(-0.5)], Ground::Lambertian { reflectance: 1.0 }),
+        (vec![Layer::new(1e-3, 0.0, 1e-9).with_g(-0.5)], Ground::BLACK),
         (vec![Layer::new(1.0, 0.0, f64::INFINITY).with_moments(vec![0.0, 0.1])], Ground::None),
     ] {
         let profile = profile(layers, ground);
@@ -327,5 +336,21 @@ fn extremes_give_numbers() {
                 );
             }
         }
+    }
+}
+
+/// What a walk of two million photons counts between glass slides and above an air gap, where two solutions have an error in
+/// common.
+#[test]
+fn errors_of_stacks_with_clear_layers_are_honest() {
+    let glass = || Layer::new(0.0, 0.0, 0.2).with_eta(1.5);
+    let slab = |eta| Layer::new(10.0, 0.1, 1.0).with_g(0.8).with_eta(eta);
+    for (layers, r, walked, error) in [
+        (vec![glass(), slab(1.33), glass()], 3.9, 3.766e-4, 4e-6),
+        (vec![glass(), slab(1.33), glass()], 7.9, 3.92e-6, 3e-7),
+        (vec![Layer::new(0.0, 0.0, 3.0), slab(1.4)], 11.85, 3.96e-5, 1.2e-6),
+    ] {
+        let found = profile(layers, Ground::AIR).reflectance(r);
+        assert!((found.value - walked).abs() < found.error + 4.0 * error, "{r}: {found:?} {walked}");
     }
 }
