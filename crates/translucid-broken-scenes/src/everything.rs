@@ -6,9 +6,9 @@ use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
 use translucid_scene::description::Slot;
 use translucid_scene::{
-    Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, NormalMap,
-    Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef, Unit,
-    WalkSurface, Wrap,
+    Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, LayerMedium, Light, Material, Mesh,
+    NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceLayer,
+    SubsurfaceModel, TextureRef, Unit, WalkSurface, Wrap,
 };
 
 /// A valid scene with every kind of light, of material and of texture, four triangulated tetrahedra and a film of 8 × 8
@@ -36,6 +36,7 @@ pub fn scene_of_everything() -> Scene {
                 coat_weight: ScalarInput::constant(0.5),
                 emission_luminance: 0.5,
                 geometry_opacity: ScalarInput::constant(0.9),
+                layers: layers(),
                 ..material("wandering", SubsurfaceModel::RandomWalk(WalkSurface::Clear))
             },
             Material {
@@ -55,6 +56,16 @@ pub fn scene_of_everything() -> Scene {
         }),
         ..Scene::default()
     }
+}
+
+/// A layer of each kind.
+fn layers() -> Vec<SubsurfaceLayer> {
+    let color = Vec3::new(0.3, 0.5, 0.7);
+    let media = [
+        LayerMedium::Appearance { surface_albedo: color, mfp: color },
+        LayerMedium::Coefficients { scattering: color, absorption: color },
+    ];
+    media.map(|medium| SubsurfaceLayer { thickness: 0.05, medium, g: 0.3 }).to_vec()
 }
 
 /// A tetrahedron with every attribute.

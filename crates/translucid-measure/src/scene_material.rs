@@ -48,6 +48,7 @@ pub(crate) fn start(material: &Material, unknowns: &[Unknown]) -> Result<Guess, 
     let [finds_albedo, finds_mfp] =
         [Unknown::SurfaceAlbedo, Unknown::Mfp].map(|unknown| unknowns.contains(&unknown));
     let faults = [
+        (!material.layers.is_empty(), "it has layers, but one medium is to be found"),
         (
             finds_albedo && (albedo.texture.is_some() || albedo.vertex_color),
             "subsurface_color is an image, of which no single number can be found",

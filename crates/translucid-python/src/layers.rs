@@ -393,6 +393,7 @@ pub(crate) fn layers<'py>(
 /// -------
 /// LayersProfile
 ///     Light per area and its numerical error, of the shape to which r and all else broadcast.
+///     A stack takes some seconds; more radii cost little.
 ///
 /// Raises
 /// ------

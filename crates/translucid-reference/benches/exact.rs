@@ -85,15 +85,15 @@ fn totals_of_three_layers((g, eta): (f64, f64)) -> Totals {
     three_layers(black_box(g), eta).totals(Incidence::NORMAL).expect("valid incidence")
 }
 
-/// R(r) of three layers.
-#[divan::bench(sample_count = 3, sample_size = 1)]
-fn profile_of_three_layers() -> LayersProfile {
-    three_layers(black_box(0.0), 1.0).profile().expect("solvable layers")
+/// R(r) of three layers, by g and η.
+#[divan::bench(sample_count = 3, sample_size = 1, args = [(0.0, 1.0), (0.0, 1.4), (0.8, 1.0), (0.8, 1.4)])]
+fn profile_of_three_layers((g, eta): (f64, f64)) -> LayersProfile {
+    three_layers(black_box(g), eta).profile().expect("solvable layers")
 }
 
 /// R(r) at 200 radii of three solved layers.
-#[divan::bench]
-fn eval_of_layers_at_200_radii(bencher: Bencher<'_, '_>) {
-    let profile = profile_of_three_layers();
+#[divan::bench(args = [(0.0, 1.0), (0.8, 1.4)])]
+fn eval_of_layers_at_200_radii(bencher: Bencher<'_, '_>, layers: (f64, f64)) {
+    let profile = profile_of_three_layers(layers);
     bencher.bench_local(|| radii().map(|r| profile.reflectance(black_box(r)).value).sum::<f64>());
 }

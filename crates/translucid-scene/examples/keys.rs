@@ -13,7 +13,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use translucid_scene::description::{Fallback, Field, Key, Slot, Thing};
-use translucid_scene::{Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceModel};
+use translucid_scene::{
+    Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceLayer, SubsurfaceModel,
+};
 
 fn main() -> ExitCode {
     let written = pages().and_then(|pages| {
@@ -49,6 +51,7 @@ fn pages() -> Result<Vec<(PathBuf, String, String)>, String> {
         ("film", table(Film::DESCRIPTION.fields, Film::default(), &[], &[])),
         ("integrator", table(Integrator::DESCRIPTION.fields, Integrator::default(), &[], &[])),
         ("material", table(Material::DESCRIPTION.fields, Material::default(), Material::ORIGIN_KEYS, &[])),
+        ("layer", table(&[], (), SubsurfaceLayer::KEYS, &[])),
         ("object", table(&[], (), Object::KEYS, &[])),
         ("light", lights()),
         ("environment", table(Environment::DESCRIPTION.fields, Environment::default(), &[], &[])),
@@ -207,6 +210,7 @@ fn types<T>(thing: &Thing<T>) -> Vec<(&'static str, String)> {
                 );
                 continue;
             }
+            Slot::Layers(_) => "Sequence[dict[str, Any]] | Literal[\"none\"]",
             Slot::Model(_) => {
                 all.push(("subsurface_model", literal(&SubsurfaceModel::ALL.map(SubsurfaceModel::name))));
                 all.push(("subsurface_table", String::from("_Path")));

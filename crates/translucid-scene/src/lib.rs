@@ -39,8 +39,8 @@ pub use image::{ColorSpace, Image, ImageKind, Pixels, SRGB_TABLE, linear_from_sr
 pub use interval::{Interval, WholeInterval};
 pub use light::Light;
 pub use material::{
-    CameraVisibility, Configuration, Material, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, WalkSurface,
+    CameraVisibility, Configuration, LayerMedium, Material, SubsurfaceLayer, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, WalkSurface,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use object::Object;

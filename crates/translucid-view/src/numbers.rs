@@ -25,6 +25,9 @@ pub(crate) fn numbers(material: &Material, unit: Unit) -> Value {
     if material.subsurface_scatter_anisotropy != 0.0 {
         notes.push("the conversion is for isotropic scattering (g = 0)".to_owned());
     }
+    if !material.layers.is_empty() {
+        notes.push("these are the numbers of the innermost medium, without the layers".to_owned());
+    }
     let rows = match convert(material, albedo, parameter, length, unit) {
         Ok(converted) => {
             notes.extend(converted.notes);

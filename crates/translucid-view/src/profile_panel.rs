@@ -140,6 +140,9 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
     if material.geometry_thin_walled {
         return Err("no light goes below this surface: it is thin-walled".to_owned());
     }
+    if !material.layers.is_empty() {
+        return Err("no profile is drawn of a body with layers".to_owned());
+    }
     let allowed = require(length > 0.0, "the mean free path", length, "more than 0").and_then(|_| {
         require(surface_albedo >= DARKEST, "the surface albedo", surface_albedo, "at least 1e-4")
     });

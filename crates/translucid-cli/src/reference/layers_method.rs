@@ -33,8 +33,9 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
     }
     drop(arguments.radii.iter()?);
     let profile = layers.profile().map_err(|error| {
-        Failure::input(format!("{} has no exact profile: {error}", file.display()))
-            .with_help("leave the radii out for its totals, which have no such limit")
+        Failure::input(format!("{} has no exact profile: {error}", file.display())).with_help(
+            "leave the radii out for its totals, or walk photons through an .mci file of these layers",
+        )
     })?;
     let row = |r: f64| row(&profile, r);
     arguments.table.write(PROFILE_COLUMNS, arguments.radii.iter()?.map(row))

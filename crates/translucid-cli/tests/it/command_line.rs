@@ -3,7 +3,7 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 12] = [
+const VERBS: [&str; 13] = [
     "render",
     "profile",
     "sample",

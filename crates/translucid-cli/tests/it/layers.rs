@@ -91,8 +91,7 @@ fn faults_are_named() {
         (layer, "--eta 1.4", "cannot be used with '--eta"),
         (layer, "--photons 1e6", "--photons"),
         (layer, "--configuration diffuse --at 1", "profiles of layers are those of a searchlight"),
-        (&format!("{layer}g = 0.5\n"), "--at 1", "layer 1: g is 0.5, but must be 0 for a profile"),
-        (&format!("{layer}eta = 1.4\n"), "--at 1", "eta is 1.4"),
+        (&format!("{layer}g = 0.95\n"), "--at 1", "layer 1: moment 32 of the phase function is 0.19"),
         (layer, "-o layers.toml", "a file that is read"),
         ("[[layer]\n", "", "this is not valid TOML"),
     ] {

@@ -133,7 +133,7 @@ fn legendre(mu: f64, count: usize) -> Vec<f64> {
 }
 
 /// Multiplies a symmetric redistribution by 1 + a_i + a_j so that Σ_i w_i h_ij = 1: no energy is lost to quadrature.
-fn normalized(matrix: &Matrix, weights: &[f64]) -> Matrix {
+pub(super) fn normalized(matrix: &Matrix, weights: &[f64]) -> Matrix {
     let size = weights.len();
     let sums = matrix.times_vector(weights);
     let system =

@@ -44,7 +44,8 @@ pub(super) fn missing_light(world: &World, path: &PathState, point: &SurfacePoin
         }
     }
     let Some((light, sent)) = chosen else { return 0.0 };
-    let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
+    let soft = !world.scene.integrator.caustics;
+    let medium = ShadowMedium { absorption: path.absorption, soft, random: choice };
     let arriving = luminance(world.unoccluded(point, &light, medium));
     (1.0 - arriving / sent).clamp(0.0, 1.0)
 }

@@ -196,7 +196,7 @@ impl<'a> PathTracer<'a> {
     /// | the path is [soft](crate::path) | no clear part, rough reflections |
     /// | its diffuse depth is spent; light may pass the body straight | no matte base |
     /// | its diffuse depth is spent; any other surface | a black base |
-    /// | it arrives from outside | A is raised where entry points may be brighter than the exit |
+    /// | it arrives from outside | A is raised where entry points, or layers, may be brighter than the exit |
     fn surface_as_seen(
         &self,
         path: &PathState,
@@ -299,7 +299,7 @@ impl<'a> PathTracer<'a> {
         } else {
             absorption_behind(vertex.material, vertex.point, light.direction, path.absorption)
         };
-        let medium = ShadowMedium { absorption, soft: vertex.soft };
+        let medium = ShadowMedium { absorption, soft: vertex.soft, random: u[3] };
         let light = weighed(world.unoccluded(vertex.point, &light, medium), mis / light.pdf);
         let received = light * path.throughput;
         if received != Vec3::ZERO {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use translucid_scene::{Object, Scene};
 
 use super::clearance::Clearance;
-use super::facets::{Crossing, LightOrigin, Query};
+use super::facets::{Crossing, Facets, LightOrigin, Query};
 use super::geometry::{Geometry, SurfacePoint};
 use super::hit::{Hit, offset_at};
 use super::instances::LoneInstance;
@@ -233,6 +233,29 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// The surfaces of the body, for their distances; `objects` are those of the scene.
+    pub(crate) fn depths(&self, objects: &[Object]) -> Depths<'a> {
+        let facets = match self.alone.filter(LoneInstance::keeps_angles) {
+            Some(alone) => Some(alone.facets()),
+            None => self.geometry.facets(objects, self.group),
+        };
+        Depths(facets)
+    }
+
+    /// Distance \[L\] from a point to the nearest surface: exact below `enough`; from there on a lower bound, which is not
+    /// below `enough`, and mostly exact below `reach`.
+    pub(crate) fn depth(&self, depths: &Depths<'_>, point: Vec3, enough: f32, reach: f32) -> f32 {
+        let bound = self.clear_around(point);
+        if bound >= enough {
+            return bound;
+        }
+        match (self.alone.filter(LoneInstance::keeps_angles), depths.0) {
+            (Some(alone), Some(facets)) => alone.distance(facets, point, reach),
+            (None, Some(facets)) => facets.distance(point, reach),
+            (_, None) => bound,
+        }
+    }
+
     /// Where the body ends on a way through a facet, if it ends there.
     pub(crate) fn end_at(&self, from: Inside, crossing: &Crossing) -> Option<Hit> {
         let beyond = crossing.distance * BEYOND_CROSSING + self.offset;
@@ -258,6 +281,10 @@ impl<'a> Body<'a> {
         Inside::below(self.geometry.position(hit) - self.normal(hit) * self.offset)
     }
 }
+
+/// The surfaces of a body, for their distances.
+#[derive(Clone, Copy)]
+pub(crate) struct Depths<'a>(Option<&'a Facets>);
 
 #[cfg(test)]
 mod tests {

@@ -15,7 +15,7 @@ mod triangle;
 mod wide_tree;
 
 pub(crate) use binary_tree::BinaryBuilder;
-pub(crate) use body::{Body, FlightEnd, Inside};
+pub(crate) use body::{Body, Depths, FlightEnd, Inside};
 pub(crate) use facets::{Crossing, LightOrigin};
 pub use geometry::Geometry;
 pub(crate) use geometry::SurfacePoint;

@@ -118,6 +118,7 @@ impl PreparedScene {
             .notes(scene)
             .chain(self.transports.note())
             .chain(on_places)
+            .chain(Transports::notes_on_layers(scene))
             .chain(enclosed::notes(&self.world))
             .collect()
     }

@@ -118,7 +118,7 @@ impl<'a> EntryPoint<'a> {
             return None;
         }
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
-        let medium = ShadowMedium { absorption, soft: !world.scene.integrator.caustics };
+        let medium = ShadowMedium { absorption, soft: !world.scene.integrator.caustics, random: u[3] };
         let light = weighed(world.unoccluded(point, &light, medium), mis / light.pdf) * bsdf.eval(cosine);
         Some(Arrival { direction, light })
     }

@@ -23,6 +23,8 @@ pub enum NoteKind {
     NoNormalization,
     /// Light leaves too near where it enters for the rounding errors of positions so far from the scene's origin.
     Unresolved,
+    /// Layers of a body of several meshes follow surfaces inside it.
+    LayersInside,
     /// A lamp or the camera is inside a translucent body.
     Enclosed,
 }

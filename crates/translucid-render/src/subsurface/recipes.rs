@@ -128,16 +128,16 @@ impl Recipes {
     fn make_walk(&mut self, scene: &Scene, index: usize, surface: WalkSurface) -> Made {
         let material = &scene.materials[index];
         let recipe = WalkRecipe::of(material, surface);
+        let g_and_eta = recipe.g_and_eta();
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
-                let notes =
-                    Note::of_nearest(material, surface.name_of_walk(), recipe.g_and_eta()).into_iter();
+                let notes = Note::of_nearest(material, surface.name_of_walk(), g_and_eta).into_iter();
                 let notes = notes.chain(Note::of_walk(scene, material)).collect();
                 let is_even = |input: &ColorInput| input.texture.is_none() && !input.vertex_color;
                 let is_even = is_even(&material.subsurface_color)
                     && material.subsurface_radius.texture.is_none()
                     && is_even(&material.subsurface_radius_scale);
-                let share = scene.integrator.subsurface_sharing;
+                let share = scene.integrator.subsurface_sharing && !medium.has_shells();
                 Made::new(SubsurfaceTransport::Walk(Walks { medium, share, is_even }), notes)
             }
             Err(error) => self.stand_in(scene, index, surface.name_of_walk(), &error.to_string()),

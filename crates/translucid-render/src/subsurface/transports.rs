@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{Scene, SubsurfaceMethod};
+use translucid_scene::{Object, Scene, SubsurfaceMethod};
 
 use super::exit_point::ExitPoint;
 use super::normalization::Normalizer;
@@ -15,6 +15,9 @@ use super::transport::{SubsurfaceTransport, Tracer};
 use crate::ray::offset_at;
 use crate::sampling::Sampler;
 use crate::world::{Media, PathState, World};
+
+/// Objects with layers that are compared with all others.
+const MOST_LAYERED: usize = 256;
 
 /// The transport of each material of a scene, and the points and shapes that they share.
 ///
@@ -76,6 +79,30 @@ impl Transports {
             let stated = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
             let albedo = material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE);
             let length = |at: f32| transport.length(albedo, stated, offset_at(at));
+            let is_unresolved = |at: f32| {
+                let medium = transport.medium();
+                medium.is_some_and(|medium| medium.has_unresolved_shells(length(0.0), offset_at(at)))
+            };
+            if transport.medium().is_some_and(|medium| medium.has_shells())
+                && is_unresolved(high.abs().max(low.abs()).max_element())
+                && is_unresolved(nearest_facet(object))
+            {
+                let advice = if nearest > 0.0 {
+                    "aim the camera at it, which moves the origin there"
+                } else {
+                    "make them thicker or less dense"
+                };
+                let message = format!(
+                    "object {} is {} {} from the scene's origin, where single precision does not resolve such layers: \
+                     they are rendered thicker or less dense; {advice}",
+                    object.name,
+                    nearest_facet(object),
+                    scene.unit.name()
+                );
+                let material = Some(material.name.clone());
+                notes.push(Note { kind: NoteKind::Unresolved, material, message });
+                continue;
+            }
             if length(0.0) != Vec3::ZERO && length(nearest) == Vec3::ZERO {
                 let message = format!(
                     "object {} is {nearest} {} from the scene's origin, where single precision does not resolve so short a \
@@ -89,6 +116,31 @@ impl Transports {
                     message,
                 });
             }
+        }
+        notes
+    }
+
+    /// Notes for the user on materials whose layers follow surfaces inside a body of several meshes.
+    pub(crate) fn notes_on_layers(scene: &Scene) -> Vec<Note> {
+        let has_layers = |object: &&Object| !scene.materials[object.material].layers.is_empty();
+        let mut notes: Vec<Note> = Vec::new();
+        for object in scene.objects.iter().filter(has_layers).take(MOST_LAYERED) {
+            let name = &scene.materials[object.material].name;
+            let (low, high) = object.bounds();
+            let meets = |other: &&Object| {
+                let (from, to) = other.bounds();
+                other.subsurface_group == object.subsurface_group
+                    && !std::ptr::eq(*other, object)
+                    && (low.max(from).cmple(high.min(to))).all()
+            };
+            let is_known = notes.iter().any(|note| note.material.as_ref() == Some(name));
+            let Some(other) = scene.objects.iter().find(meets).filter(|_| !is_known) else { continue };
+            let message = format!(
+                "objects {} and {} may overlap and are one body: its layers follow both surfaces, also where one is inside \
+                 the other",
+                object.name, other.name
+            );
+            notes.push(Note { kind: NoteKind::LayersInside, material: Some(name.clone()), message });
         }
         notes
     }
@@ -154,4 +206,14 @@ impl Transports {
 /// The media that light may pass without being scattered, for each material that has one.
 pub(crate) fn media(transports: &[Arc<SubsurfaceTransport>]) -> Media {
     Media::new(transports.iter().map(|transport| transport.medium()))
+}
+
+/// Least distance \[L\] of an object's facets, or of boxes around them, from the origin, by the largest coordinate.
+fn nearest_facet(object: &Object) -> f32 {
+    let at = |vertex: u32| object.world_from_local.transform_point3(object.mesh.positions[vertex as usize]);
+    let distance = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(at);
+        Vec3::ZERO.clamp(a.min(b).min(c), a.max(b).max(c)).abs().max_element()
+    };
+    object.mesh.triangles.iter().map(distance).fold(f32::INFINITY, f32::min)
 }

@@ -4,14 +4,17 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
-use translucid_scene::{Material, WalkSurface};
+use translucid_scene::{Material, Object, SubsurfaceLayer, WalkSurface};
+
+use super::shells::{ShellMedia, ShellMedium, Shells};
+use crate::ray::Body;
 
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
 const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
 
 /// The inputs of a medium: materials with equal recipes share one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WalkRecipe {
     surface: WalkSurface,
     g: f64,
@@ -19,6 +22,7 @@ pub(crate) struct WalkRecipe {
     configuration: Configuration,
     parameterization: Parameterization,
     most_flights: u32,
+    layers: Vec<SubsurfaceLayer>,
 }
 
 /// The medium of any surface albedo.
@@ -32,6 +36,8 @@ pub(crate) struct WalkMedium {
     pub(crate) eta: f32,
     /// Flights after which a walk is given up.
     pub(crate) most_flights: u32,
+    /// Media of shells around it.
+    shells: ShellMedia,
 }
 
 impl WalkRecipe {
@@ -53,6 +59,7 @@ impl WalkRecipe {
             surface,
             parameterization: material.subsurface_parameter,
             most_flights: material.subsurface_flights as u32,
+            layers: material.layers.clone(),
         }
     }
 
@@ -63,11 +70,12 @@ impl WalkRecipe {
 
     /// Inverts the albedos of the medium.
     pub(crate) fn make(&self) -> Result<WalkMedium, ParameterError> {
-        let Self { g, eta, configuration, parameterization, surface, most_flights } = *self;
+        let Self { g, eta, configuration, parameterization, surface, most_flights, ref layers } = *self;
         // Only a clear surface reflects light inside
         let eta_inside = if surface == WalkSurface::Clear { eta } else { 1.0 };
         let inversion = AlbedoInversion::new(g, eta_inside, configuration)?;
-        Ok(WalkMedium { inversion, parameterization, surface, g: g as f32, eta: eta as f32, most_flights })
+        let (g, eta, shells) = (g as f32, eta as f32, ShellMedia::new(layers)?);
+        Ok(WalkMedium { inversion, parameterization, surface, g, eta, most_flights, shells })
     }
 }
 
@@ -77,11 +85,52 @@ impl WalkMedium {
         self.surface == WalkSurface::Clear && self.eta == 1.0
     }
 
-    /// Mean free paths \[L\] of stated lengths, 0 where they are too short for positions with a rounding error of `offset`.
+    /// Returns `true` if shells of other media are around this one.
+    pub(crate) fn has_shells(&self) -> bool {
+        !self.shells.is_empty()
+    }
+
+    /// The shells of a body of this medium at a point of its surface, if there are any; `objects` are those of the scene.
+    pub(crate) fn shells<'a>(
+        &'a self,
+        body: &Body<'a>,
+        objects: &[Object],
+        (surface_albedo, length): (Vec3, Vec3),
+        offset: f32,
+    ) -> Option<Shells<'a>> {
+        if !self.has_shells() {
+            return None;
+        }
+        let alpha = self.single_scattering_albedo(surface_albedo);
+        let innermost = ShellMedium { sigma_t: length.recip().min(Vec3::MAX), alpha, g: self.g };
+        let finest = (LEAST_OFFSETS_OF_MFP * offset).recip().min(f32::MAX);
+        Shells::new(&self.shells, innermost, body.depths(objects), finest)
+    }
+
+    /// Returns `true` if there are shells, and they or this medium of such mean free paths are finer than positions with a
+    /// rounding error of `offset` resolve.
+    pub(crate) fn has_unresolved_shells(&self, length: Vec3, offset: f32) -> bool {
+        let finest = (LEAST_OFFSETS_OF_MFP * offset).recip();
+        self.has_shells() && (length.recip().max(self.shells.densest()).max_element() > finest)
+            || self.shells.thinnest() < offset
+    }
+
+    /// A surface albedo above 0 in every channel in which light may come out of a body of this surface albedo.
+    pub(crate) fn brightest(&self, surface_albedo: Vec3) -> Vec3 {
+        self.shells.brightest(surface_albedo)
+    }
+
+    /// Mean free paths \[L\] of stated lengths, 0 where they are too short for positions with a rounding error of `offset`,
+    /// but below shells the least that they resolve: no surface is there that light could leave where it enters.
     pub(crate) fn resolved(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
         let of = |c: usize| {
             let mfp = self.mfp(surface_albedo[c], stated[c]);
-            if mfp > LEAST_OFFSETS_OF_MFP * offset { mfp } else { 0.0 }
+            let least = LEAST_OFFSETS_OF_MFP * offset;
+            match self.has_shells() {
+                true => mfp.max(least).max(f32::MIN_POSITIVE),
+                false if mfp > least => mfp,
+                false => 0.0,
+            }
         };
         Vec3::new(of(0), of(1), of(2))
     }

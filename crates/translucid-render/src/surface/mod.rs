@@ -4,6 +4,7 @@ pub mod bsdf;
 mod medium;
 mod parameters;
 mod shading_normal;
+mod shells;
 mod tables;
 mod texture;
 
@@ -12,4 +13,5 @@ pub(crate) use parameters::{
     absorption, emission_at, opacity_at, parameters_at, stated_length_at, surface_albedo_at,
 };
 pub(crate) use shading_normal::{facing, shading_normal_at};
+pub(crate) use shells::{ShellPlace, Shells};
 pub(crate) use tables::SurfaceTables;

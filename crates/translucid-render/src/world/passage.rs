@@ -13,6 +13,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use translucid_profile::split_mix::{STEP, split_mix};
 
 use super::World;
 use crate::ray::{Body, FlightEnd, SurfacePoint};
@@ -56,6 +57,8 @@ pub(super) struct Reach {
     pub(super) distance: f32,
     /// Transmittance below which nothing is left of it.
     pub(super) transmittance: f32,
+    /// A number that differs from ray to ray, or from sample to sample.
+    pub(super) random: f32,
 }
 
 impl World {
@@ -92,10 +95,12 @@ impl World {
         if !scatters.any() {
             return None;
         }
-        // Beyond, the last channel is dark
-        let visible = -libm::logf(reach.transmittance) * length.max_element();
         let side = if direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let body = Body::below(&self.scene, &self.geometry, point, side);
+        let shells = medium.shells(&body, &self.scene.objects, (albedo, length), point.offset);
+        let length = shells.map_or(length, |shells| shells.least().recip());
+        // Beyond, the last channel is dark
+        let visible = -libm::logf(reach.transmittance) * length.max_element();
         let (start, skipped) = body.enter(point, direction)?;
         let FlightEnd::Boundary { distance, hit } = body.fly(start, direction, visible) else { return None };
         let distance = distance + skipped;
@@ -110,7 +115,16 @@ impl World {
         }
         let frame = Frame::from_normal(surface::shading_normal_at(&self.scene, material, point));
         let seen = Bsdf::new(&surface, self.surfaces.of(index), frame.to_local(-direction)).below();
-        let attenuation = Vec3::select(scatters, -distance / length, Vec3::NEG_INFINITY).exp();
+        let mut attenuation = Vec3::select(scatters, -distance / length, Vec3::NEG_INFINITY).exp();
+        if let Some(shells) = &shells {
+            let bits = point.position.to_array().map(|x| u64::from(x.to_bits()));
+            let seed =
+                bits.into_iter().fold(u64::from(reach.random.to_bits()), |seed, x| split_mix(seed ^ x));
+            let mut numbers = (0..).map(|n: u64| split_mix(seed.wrapping_add(STEP.wrapping_mul(n))));
+            let number = move || numbers.next().map_or(0.0, |bits| (bits >> 40) as f32 / 16_777_216.0);
+            attenuation *=
+                shells.transmittance_beyond_least(&body, (point.position, direction, distance), number);
+        }
         let end = self.surface_point(&hit);
         let transmittance = seen * attenuation * self.entering(&end, direction, side);
         Some(Passage { transmittance, distance, end })

@@ -26,6 +26,8 @@ pub(crate) struct ShadowMedium {
     pub(crate) absorption: Vec3,
     /// The light may come straight through clear surfaces.
     pub(crate) soft: bool,
+    /// A number that differs from sample to sample, for light through media that are not the same everywhere.
+    pub(crate) random: f32,
 }
 
 /// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
@@ -51,7 +53,7 @@ fn light_in_the_way(world: &World, ray: &Ray) -> Option<f32> {
 fn through_surfaces(
     world: &World,
     mut ray: Ray,
-    ShadowMedium { mut absorption, soft }: ShadowMedium,
+    ShadowMedium { mut absorption, soft, random }: ShadowMedium,
 ) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
@@ -79,7 +81,8 @@ fn through_surfaces(
         let rest = ray.t_max - hit.t;
         if let Some(medium) = medium.filter(|_| world.is_passed_by_shadow_rays(&point, soft)) {
             result *= absorbed(absorption, hit.t);
-            let reach = Reach { distance: rest + beyond, transmittance: LEAST / result.max_element() };
+            let transmittance = LEAST / result.max_element();
+            let reach = Reach { distance: rest + beyond, transmittance, random };
             let passage = world.pass_straight(medium, &point, ray.direction, soft, reach);
             let Some(Passage { transmittance, distance, end }) = passage else { return Vec3::ZERO };
             result *= transmittance;

@@ -28,6 +28,7 @@ mod session;
 mod shadow_catcher;
 mod shards;
 mod sharing;
+mod shells;
 mod textures;
 mod thin_walls;
 mod transport;

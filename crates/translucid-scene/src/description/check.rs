@@ -5,6 +5,7 @@ use std::fmt;
 use glam::Affine2;
 
 use super::field::{Slot, Thing};
+use super::layers::visit_layers;
 use crate::interval::{Interval, WholeInterval, check_index, refusal};
 use crate::placement::{check_edges, check_unit, is_rotation};
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SceneError, SubsurfaceModel, TextureRef};
@@ -138,6 +139,11 @@ impl Slot<'_> {
                 visit("subsurface_model.tabulated", Part::Index(table, List::ProfileTables));
             }
             Self::Model(_) => {}
+            Self::Layers(layers) => {
+                visit_layers(key, layers, &mut |name, number, range| {
+                    visit(name, Part::Number(number, range));
+                });
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::interval::{Interval, WholeInterval};
-use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceModel};
+use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceLayer, SubsurfaceModel};
 
 /// A thing of a scene by its fields: the one list from which it is read, written, checked, shown and documented.
 pub struct Thing<T: 'static> {
@@ -118,6 +118,8 @@ pub enum Slot<'a> {
     NormalMap(&'a mut Option<NormalMap>),
     /// A model of subsurface scattering, or a table of profiles.
     Model(&'a mut SubsurfaceModel),
+    /// Layers below a surface.
+    Layers(&'a mut Vec<SubsurfaceLayer>),
 }
 
 /// A type whose values have names.

@@ -11,6 +11,7 @@ mod check;
 mod color;
 mod field;
 mod files;
+mod layers;
 mod read;
 mod table;
 #[cfg(test)]

@@ -4,6 +4,7 @@ use glam::{Affine2, DVec3, Mat3, Vec2, Vec3};
 
 use super::field::{Fallback, Key, Slot, Thing, Word};
 use super::files::FileList;
+use super::layers::read_layers;
 use super::table::{Item, Table};
 use super::value::Content;
 use crate::interval::{Interval, WholeInterval};
@@ -137,6 +138,7 @@ impl Slot<'_> {
             Self::Scalar(input, range) => *input = read_scalar(item, *input, range, files)?,
             Self::Color(input, range) => *input = read_color(item, *input, range, files)?,
             Self::NormalMap(map) => *map = read_normal_map(item, *map, files)?,
+            Self::Layers(layers) => *layers = read_layers(item)?,
             // An environment reads its image itself: it may keep or lose that of a base
             Self::Absent
             | Self::Image(_)

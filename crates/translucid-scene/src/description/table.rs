@@ -431,6 +431,14 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// The tables of an array of tables.
+    pub(super) fn tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+        match self.content() {
+            Content::List(list) => self.elements_within(list, limit)?.iter().map(Item::table).collect(),
+            _ => Err(self.mismatch("an array of tables")),
+        }
+    }
+
     fn elements_within(&self, list: &'a [Value], limit: usize) -> Result<Vec<Item<'a>>, SceneError> {
         if list.len() <= limit {
             return Ok(self.elements(list));

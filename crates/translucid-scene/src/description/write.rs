@@ -3,6 +3,7 @@
 use glam::{DVec3, Mat3, Vec3};
 
 use super::field::{Field, Key, Slot, Thing};
+use super::layers::write_layers;
 use super::value::{Entry, Value, digits};
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceModel};
 
@@ -84,6 +85,7 @@ impl Slot<'_> {
             Self::Rotation(matrix) => return vec![rotation_entry(*matrix)],
             Self::Model(SubsurfaceModel::Tabulated(_)) => return Vec::new(),
             Self::Model(model) => model.name().into(),
+            Self::Layers(layers) => write_layers(layers),
         };
         vec![Entry::new(keys[0].name, value)]
     }

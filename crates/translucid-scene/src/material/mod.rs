@@ -2,6 +2,7 @@
 
 mod parameters;
 mod preset;
+mod subsurface_layer;
 mod subsurface_model;
 
 use glam::Vec3;
@@ -10,6 +11,7 @@ pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParame
 
 use crate::{ColorInput, Integrator, NormalMap, ScalarInput, SubsurfaceMethod};
 
+pub use subsurface_layer::{LayerMedium, SubsurfaceLayer};
 pub use subsurface_model::{SubsurfaceModel, WalkSurface};
 
 /// Point whose surface albedo and mean free path count where a texture gives the exit point and the entry point
@@ -92,6 +94,9 @@ pub struct Material {
     pub subsurface_radius_scale: ColorInput,
     /// Mean cosine of the phase function, in (−1, 1).
     pub subsurface_scatter_anisotropy: f32,
+    /// Layers of other media that follow the surface, from there inwards: the distance to it decides which medium a point
+    /// is in. The medium of the parameters above lies behind them, and the boundary has one index.
+    pub layers: Vec<SubsurfaceLayer>,
     /// Model of the transport under the surface, as it is named: see [`Material::model`].
     pub subsurface_model: SubsurfaceModel,
     /// Meaning of `subsurface_radius`.
@@ -154,6 +159,7 @@ impl Default for Material {
             subsurface_configuration: Configuration::Diffuse,
             subsurface_eta: 1.0,
             subsurface_flights: 65536.0,
+            layers: Vec::new(),
             subsurface_texture_at: SubsurfaceTextureAt::Exit,
             subsurface_normalization: SubsurfaceNormalization::None,
             coat_weight: ScalarInput::constant(0.0),
@@ -177,7 +183,7 @@ impl Material {
     }
 
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
-    /// picture in the same time, but a profile where walks cannot do what is asked for.
+    /// picture in the same time, but a profile where walks cannot do what is asked for. Layers are for walks alone.
     ///
     /// Where η is above 1, the walk is that between rough surfaces: in most scenes its picture is nearer to the truth of a smooth
     /// boundary than one that is reflected inside is in the same time, or a profile's. Of the profiles, oblique light is solved
@@ -201,9 +207,10 @@ impl Material {
         let is_matched = self.subsurface_eta == 1.0;
         // Walks take a lesser index for 1, and those between rough surfaces are for diffuse light
         let is_rough = self.subsurface_eta > 1.0;
-        let is_for_walks = !is_rough || self.subsurface_configuration == Configuration::Diffuse;
-        if is_for_walks && self.keys_of_profiles(integrator).is_empty() {
-            return SubsurfaceModel::RandomWalk(if is_rough {
+        let is_diffuse = self.subsurface_configuration == Configuration::Diffuse;
+        let is_for_walks = (!is_rough || is_diffuse) && self.keys_of_profiles(integrator).is_empty();
+        if is_for_walks || !self.layers.is_empty() {
+            return SubsurfaceModel::RandomWalk(if is_rough && is_diffuse {
                 WalkSurface::Rough
             } else {
                 WalkSurface::Clear

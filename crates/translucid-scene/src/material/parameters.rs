@@ -1,8 +1,8 @@
 //! The parameters of a material by their keys.
 
-use super::{CameraVisibility, Material, SubsurfaceNormalization, SubsurfaceTextureAt};
+use super::{CameraVisibility, Material, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt};
 use crate::SceneError;
-use crate::description::{Counts, Fallback, Key, List, Part, Slot, Thing, Word, field};
+use crate::description::{Counts, Fallback, Key, List, Part, Rule, Slot, Thing, Word, field};
 use crate::interval::Interval;
 use crate::material::{Configuration, SubsurfaceParameter};
 
@@ -43,6 +43,38 @@ const MODEL: &[Key] = &[
         fallback: Words("–"),
     },
 ];
+
+const LAYERS: &[Key] = &[Key {
+    name: "layer",
+    doc: "[layers](#layers) of other media, from the surface inwards, each a `[[material.layer]]`; `\"none\"` takes away those of a file that this one extends",
+    fallback: Words("none"),
+}];
+
+/// Requirements of layers, which are for random walks.
+const RULES: &[Rule<Material>] = &[
+    Rule { key: "subsurface_table", broken: |m| no_walk(m, true), help: LEAVE_OUT_LAYERS },
+    Rule { key: "subsurface_model", broken: |m| no_walk(m, false), help: LEAVE_OUT_LAYERS },
+    Rule {
+        key: "geometry_thin_walled",
+        broken: |m| {
+            let is_broken = !m.layers.is_empty() && m.geometry_thin_walled;
+            is_broken.then(|| String::from("false, because the material has layers"))
+        },
+        help: LEAVE_OUT_LAYERS,
+    },
+];
+
+const LEAVE_OUT_LAYERS: &str = "layer = \"none\" takes away the layers";
+
+/// Refuses models other than walks, tables or others, for materials with layers.
+fn no_walk(material: &Material, is_table: bool) -> Option<String> {
+    let model = material.subsurface_model;
+    let is_walk = matches!(model, SubsurfaceModel::Default | SubsurfaceModel::RandomWalk(_));
+    let is_asked = is_table == matches!(model, SubsurfaceModel::Tabulated(_));
+    let is_broken = !material.layers.is_empty() && !is_walk && is_asked;
+    let what = if is_table { "left out" } else { "a random walk or left out" };
+    is_broken.then(|| format!("{what}, because the material has layers"))
+}
 
 const NORMAL: &[Key] =
     &[Key { name: "geometry_normal", doc: "path of a normal map, or a table", fallback: Words("none") }];
@@ -128,6 +160,7 @@ impl Material {
                 "scalar {range}", Plain),
             field!(Material { geometry_thin_walled } => Slot::Flag(geometry_thin_walled),
                 "whether it is a [sheet without an inside](materials.md#thin-walled-surfaces), such as a leaf or a pane", Plain),
+            field!(Material { layers } => Slot::Layers(layers); LAYERS),
             field!(Material { subsurface_model } => Slot::Model(subsurface_model); MODEL),
             field!(Material { subsurface_parameter } => Slot::Word(subsurface_parameter),
                 "`\"mfp\"`: the radius is ℓ in the volume; `\"dmfp\"`: ℓ_d on the surface", Plain),
@@ -141,7 +174,7 @@ impl Material {
                 "what the camera sees of it: `\"surface\"`; `\"shadow\"`, only the shadows on it, black with the share of direct light that is missing as alpha; `\"none\"`. Other rays meet it as it is", Plain),
             field!(Material { geometry_normal } => Slot::NormalMap(geometry_normal); NORMAL),
         ],
-        rules: &[],
+        rules: RULES,
     };
 
     /// Every key.
@@ -211,7 +244,9 @@ mod tests {
             shown.lines().filter_map(|line| line.strip_prefix("    ").filter(|l| !l.starts_with(' ')));
         let names = fields.filter_map(|line| line.split_once(": ").map(|(name, _)| name));
         let described = Material::keys();
-        assert_eq!(names.filter(|name| !described.contains(name)).collect::<Vec<_>>(), Vec::<&str>::new());
+        // Each layer is a table of its own
+        let is_described = |name: &&str| described.contains(name) || *name == "layers";
+        assert_eq!(names.filter(|name| !is_described(name)).collect::<Vec<_>>(), Vec::<&str>::new());
     }
 
     #[test]

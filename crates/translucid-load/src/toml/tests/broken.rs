@@ -221,6 +221,59 @@ fn broken_material_is_refused() {
 }
 
 #[test]
+fn broken_layers_are_refused() {
+    let refuse_layer = |lines: &str, message: &str, underlined: &str| {
+        refuse_material(&format!("[[material.layer]]\n{lines}"), message, underlined, "");
+    };
+    let medium = "scattering = 1\nabsorption = 1\n";
+    for (thickness, found) in [("0", "0"), ("-1", "-1"), ("nan", "nan"), ("2e9", "2e9"), ("inf", "inf")] {
+        let message = format!("material[0].layer[0].thickness is {found}, but must be in (0, 1e9]");
+        refuse_layer(&format!("{medium}thickness = {thickness}"), &message, thickness);
+    }
+    for (g, range) in [("1", "(-1, 1)"), ("-1.5", "(-1, 1)"), ("nan", "(-1, 1)")] {
+        let message = format!("material[0].layer[0].g is {g}, but must be in {range}");
+        refuse_layer(&format!("{medium}thickness = 1\ng = {g}"), &message, g);
+    }
+    let message = "material[0].layer[0].g is 0.97, but must be in [-0.95, 0.95]";
+    refuse_layer("surface_albedo = 0.5\nmfp = 1\nthickness = 1\ng = 0.97", message, "0.97");
+    let message = "material[0].layer[0].mfp is 0, but must be in [1e-9, 1e9]";
+    refuse_layer("surface_albedo = 0.5\nmfp = 0\nthickness = 1", message, "0");
+    let message = "material[0].layer[0].mfp is a string, but must be a number or three numbers";
+    refuse_layer("surface_albedo = 0.5\nmfp = '#ff0000'\nthickness = 1", message, "'#ff0000'");
+    let message = "material[0].layer[0].surface_albedo[2] is 1.5, but must be in [0, 1]";
+    refuse_layer("surface_albedo = [0, 1, 1.5]\nmfp = 1\nthickness = 1", message, "1.5");
+    let message = "material[0].layer[0].absorption is -1, but must be in [0, 1e9]";
+    refuse_layer("scattering = 1\nabsorption = -1\nthickness = 1", message, "-1");
+    refuse_layer(medium, "material[0].layer[0] needs the key thickness", "[[material.layer]]");
+    refuse_layer(
+        "thickness = 1\nmfp = 1",
+        "material[0].layer[0] needs the key surface_albedo",
+        "[[material.layer]]",
+    );
+    let message = "material[0].layer[0] needs surface_albedo and mfp, or scattering and absorption";
+    refuse_layer("thickness = 1", message, "[[material.layer]]");
+    let message = "material[0].layer[0].mfp and material[0].layer[0].scattering are given, but a layer has surface_albedo and mfp, or scattering and absorption";
+    refuse_layer("thickness = 1\nmfp = 1\nscattering = 2", message, "2");
+    let message = "material[0].layer is [], but must be one layer or more, or \"none\"";
+    refuse_material("layer = []", message, "[]", "");
+    let message = "material[0].layer is a number, but must be an array of tables, each with the header [[material.layer]]";
+    refuse_material("layer = 3", message, "3", "");
+    let layer = "layer = [{ thickness = 1, scattering = 1, absorption = 1 }]";
+    let message = "material[0].subsurface_model is \"dipole\", but must be a random walk or left out, because the material has layers";
+    refuse_material(&format!("{layer}\nsubsurface_model = \"dipole\""), message, "\"dipole\"", "");
+    let message =
+        "material[0].subsurface_table is \"a.csv\", but must be left out, because the material has layers";
+    refuse_material(&format!("{layer}\nsubsurface_table = \"a.csv\""), message, "\"a.csv\"", "");
+    let message =
+        "material[0].geometry_thin_walled is true, but must be false, because the material has layers";
+    refuse_material(&format!("{layer}\ngeometry_thin_walled = true"), message, "true", "");
+    let many = vec!["{ thickness = 1, scattering = 1, absorption = 1 }"; 101].join(", ");
+    let message = "there are 101 of material[0].layer, but at most 100 are allowed";
+    let list = format!("[{many}]");
+    refuse_material(&format!("layer = {list}"), message, &list, "");
+}
+
+#[test]
 fn broken_material_names_suggest_the_nearest() {
     let text = format!("unit = \"mm\"\n{BALL}[[material]]\nname = \"m\"\nsubsurface_colour = 1\n");
     let error = parse(&text).unwrap_err();

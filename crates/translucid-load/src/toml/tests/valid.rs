@@ -4,8 +4,9 @@ use glam::{DVec3, Mat3, Vec2, Vec3};
 use translucid_profile::convention::preset;
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, ImageKind,
-    Integrator, Light, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel,
-    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
+    Integrator, LayerMedium, Light, Material, Projection, ScalarInput, SubsurfaceLayer, SubsurfaceMethod,
+    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
+    Wrap,
 };
 
 use super::{BALL, load, parse};
@@ -190,6 +191,7 @@ fn material_reads_every_constant() {
         subsurface_configuration: Configuration::Searchlight,
         subsurface_eta: 1.4,
         subsurface_flights: 250.0,
+        layers: Vec::new(),
         subsurface_texture_at: SubsurfaceTextureAt::Both,
         subsurface_normalization: SubsurfaceNormalization::Energy,
         coat_weight: ScalarInput::constant(0.5),
@@ -205,6 +207,40 @@ fn material_reads_every_constant() {
     };
     assert_eq!(material(text), expected);
     assert_eq!(material(""), Material { name: String::from("m"), ..Material::default() });
+}
+
+#[test]
+fn material_reads_layers() {
+    let layers = "[[material.layer]]\nthickness = 0.1\nsurface_albedo = '#ffffff'\nmfp = [0.3, 0.2, 0.1]\ng = 0.8\n\
+                  [[material.layer]]\nthickness = 1e9\nscattering = 2\nabsorption = [0, 0.5, 0]";
+    let expected = vec![
+        SubsurfaceLayer {
+            thickness: 0.1,
+            medium: LayerMedium::Appearance { surface_albedo: Vec3::ONE, mfp: Vec3::new(0.3, 0.2, 0.1) },
+            g: 0.8,
+        },
+        SubsurfaceLayer {
+            thickness: 1e9,
+            medium: LayerMedium::Coefficients {
+                scattering: Vec3::splat(2.0),
+                absorption: Vec3::new(0.0, 0.5, 0.0),
+            },
+            g: 0.0,
+        },
+    ];
+    assert_eq!(material(layers).layers, expected);
+    // Layers are for walks, whatever else asks for profiles
+    let points = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..Integrator::default() };
+    for (text, model) in [
+        ("", "random-walk"),
+        ("subsurface_texture_at = \"both\"\n", "random-walk"),
+        ("subsurface_eta = 1.4\n", "random-walk-rough"),
+        ("subsurface_eta = 1.4\nsubsurface_configuration = \"searchlight\"\n", "random-walk"),
+        ("subsurface_model = \"random-walk-diffuse\"\n", "random-walk-diffuse"),
+    ] {
+        assert_eq!(material(&format!("{text}{layers}")).model(&points).name(), model, "{text}");
+    }
+    assert_eq!(material("layer = \"none\"").layers, []);
 }
 
 /// The walk, between rough surfaces where there is a boundary; where a key asks for profiles, the one that knows the medium:

@@ -9,13 +9,13 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 use tempfile::TempDir;
 use translucid_scene::description::{Content, Provenance, Slot, Value, quoted};
 use translucid_scene::{
-    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, Light, Material, Projection,
-    Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, ToneMapping, Unit,
+    CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, LayerMedium, Light,
+    Material, Projection, Scene, SceneError, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
 };
 use translucid_testing::{SplitMix, power};
 
-use crate::{ExtendedBase, LoadOptions, load_image, load_scene};
+use crate::{ExtendedBase, LoadOptions, load_image, load_scene, still_life};
 
 /// A triangle with texture coordinates and vertex colors, twice under one name; two materials share a name, too.
 fn textured_gltf() -> String {
@@ -75,7 +75,7 @@ impl Editing {
         let preset = preset.map(String::from);
         let base = ExtendedBase { extends: file.into(), preset: preset.clone(), unit };
         let scene = if file == "still-life" {
-            crate::still_life(&LoadOptions::default()).unwrap()
+            still_life(&LoadOptions::default()).unwrap()
         } else {
             fs::write(folder.path().join(file), text).unwrap();
             let options = LoadOptions { preset, unit, ..LoadOptions::default() };
@@ -262,6 +262,20 @@ impl Random {
         }
         if self.chance(4) {
             material.geometry_normal = None;
+        }
+        if self.chance(3) {
+            let [thickness, surface_albedo, mfp] =
+                [self.number(), self.number(), self.number()].map(f32::abs);
+            let surface_albedo = Vec3::splat(surface_albedo);
+            let medium = match self.chance(2) {
+                true => LayerMedium::Appearance { surface_albedo, mfp: Vec3::splat(mfp) },
+                false => LayerMedium::Coefficients { scattering: surface_albedo, absorption: self.vector() },
+            };
+            let layer = SubsurfaceLayer { thickness, medium, g: self.number() };
+            material.layers = vec![layer; self.0.below(3)];
+        }
+        if !material.layers.is_empty() {
+            material.subsurface_model = SubsurfaceModel::Default;
         }
         drop(material.clamp());
     }
@@ -510,4 +524,20 @@ fn every_text_reads_back() {
         let entries = crate::toml::parse::parse(&source).unwrap();
         assert_eq!(entries[0].value.content, Content::Text(text.to_owned()));
     }
+}
+
+/// Layers are written as a whole, and taken away by a word.
+#[test]
+fn layers_are_written_and_taken_away() {
+    let plain = still_life(&LoadOptions::default()).unwrap();
+    let mut layered = plain.clone();
+    let medium =
+        LayerMedium::Coefficients { scattering: Vec3::new(0.1, 2.0, 3.0), absorption: Vec3::splat(1e-7) };
+    layered.materials[0].layers = vec![SubsurfaceLayer { thickness: 0.25, medium, g: 0.5 }];
+    let base = ExtendedBase { extends: "still-life".into(), ..ExtendedBase::default() };
+    let text = base.write(&plain, &layered, None).unwrap();
+    let line = "layer = [{ thickness = 0.25, scattering = [0.1, 2.0, 3.0], absorption = 1e-7, g = 0.5 }]";
+    assert!(text.contains(line), "{text}");
+    let text = base.write(&layered, &plain, None).unwrap();
+    assert!(text.ends_with("layer = \"none\"\n"), "{text}");
 }

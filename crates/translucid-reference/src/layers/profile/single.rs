@@ -1,96 +1,223 @@
-//! Light that is scattered once and leaves straight, in real space.
+//! Light that is scattered once and leaves without a reflection, in real space.
 //!
-//! It makes R ~ 1/r, and its transform decays too slowly to be inverted. From the depth z a share
+//! It makes R ~ 1/r, and its transform decays too slowly to be inverted. Rays that leave with p = η sin θ come to the
+//! distance r from one depth z(p), so that
 //!
 //! ```text
-//! (1/4π) σ_s φ₀(z) e^{−τ ρ/z} z/ρ³,     ρ = √(z² + r²)
+//! R₁(r) = (1/r) ∫ σ_s(z) [F(z) p(−μ) + F'(z) p(μ)] Π(1 − F_j) e^{−Σ τ_j/μ_j} dp/η(z)
 //! ```
 //!
-//! leaves per area at the distance r, where φ₀ = e^{−τ} falls from the upper face on.
+//! with the fluxes F of the beam against the leaving light and F' along with it, and the faces' reflectances F_j.
 
 use std::f64::consts::PI;
 
+use translucid_profile::fresnel_from_outside;
 use translucid_profile::quadrature::gauss_legendre;
 
-use super::super::Layers;
+use super::super::{Deflection, Ground, Layer, Layers};
+use super::chain::{beam, etas};
 use super::depths::in_unit;
+use super::stack::without_peak;
 use crate::Estimate;
+use crate::walk::PhaseFunction;
 
-/// Scattering layers as the light sees them that leaves through one face.
+/// Layers as the light sees them that leaves through one face.
 #[derive(Clone, Debug)]
 pub(super) struct Single {
+    /// Index of refraction outside.
+    eta: f64,
     /// From the face on.
     spans: Vec<Span>,
-    /// Optical thickness of all layers, where the beam comes through them towards the face.
-    towards: Option<f64>,
 }
 
 /// One layer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Span {
-    z: [f64; 2],
-    tau: f64,
+    eta: f64,
+    thickness: f64,
     extinction: f64,
     scattering: f64,
+    deflection: Deflection,
+    /// The beam's flux against the leaving light at the near face, and along with it at the far face.
+    beam: [f64; 2],
 }
 
-/// Ends of panels, in multiples of r and of the mean free path.
-const IN_RADII: [f64; 10] = [0.02, 0.08, 0.25, 0.5, 1.0, 1.6, 3.0, 8.0, 30.0, 150.0];
-const IN_MEAN_FREE_PATHS: [f64; 9] = [0.01, 0.1, 0.5, 1.5, 3.0, 6.0, 12.0, 24.0, 45.0];
 /// Points of a panel; the coarser rule tells the error.
 const POINTS: [usize; 2] = [10, 7];
+/// Number of panels that shrink towards the ends of a piece, and by what factor.
+const GRADES: i32 = 8;
+const GRADE: f64 = 0.3;
+/// Optical depth behind which nothing counts.
+const DEEPEST: f64 = 60.0;
 
 impl Single {
-    /// Seen from above, or from below.
-    pub(super) fn new(layers: &Layers, unit: f64, from_below: bool) -> Self {
-        let scaled: Vec<_> = layers.layers().iter().map(|layer| in_unit(layer, unit)).collect();
-        let order: Vec<_> = if from_below { scaled.iter().rev().collect() } else { scaled.iter().collect() };
-        let (mut z, mut tau, mut spans) = (0.0, 0.0, Vec::new());
-        for layer in order {
-            let (extinction, scattering) = (layer.extinction(), layer.scattering);
-            spans.push(Span { z: [z, z + layer.thickness], tau, extinction, scattering });
-            z += layer.thickness;
-            tau += extinction * layer.thickness;
-        }
-        Self { spans, towards: from_below.then_some(tau) }
+    /// Light that leaves above, and below, where phase functions have so many moments.
+    pub(super) fn sides(layers: &Layers, unit: f64, moments: usize) -> [Self; 2] {
+        let scaled: Vec<Layer> = layers.layers().iter().map(|layer| in_unit(layer, unit)).collect();
+        let extinction = |layer: &Layer| without_peak(layer, moments);
+        let (beams, _) = beam(layers, scaled.iter().map(|layer| extinction(layer) * layer.thickness));
+        let span = |(layer, [down, up]): (&Layer, [f64; 2])| Span {
+            eta: layer.eta,
+            thickness: layer.thickness,
+            extinction: extinction(layer),
+            scattering: layer.scattering,
+            deflection: layer.deflection.clone(),
+            beam: [down, up],
+        };
+        let spans: Vec<Span> = scaled.iter().zip(beams).map(span).collect();
+        let from_below = |span: &Span| Span { beam: [span.beam[1], span.beam[0]], ..span.clone() };
+        let below = match layers.ground() {
+            Ground::Medium { .. } => spans.iter().rev().map(from_below).collect(),
+            _ => Vec::new(),
+        };
+        let etas = etas(layers);
+        [Self { eta: etas[0], spans }, Self { eta: etas[etas.len() - 1], spans: below }]
     }
 
     pub(super) fn eval(&self, r: f64) -> Estimate {
-        let [value, coarse] = POINTS.map(|points| self.sum(r, points));
-        Estimate { value, error: 0.1 * (value - coarse).abs() + 1e-14 * value }
+        let ends = self.panels(r);
+        let [value, coarse] = POINTS.map(|points| {
+            let rule = gauss_legendre(points);
+            let panel = |ends: &[f64]| -> f64 {
+                let half = 0.5 * (ends[1] - ends[0]);
+                rule.iter()
+                    .map(|(x, weight)| weight * half * self.density(ends[0] + half * (1.0 + x), r))
+                    .sum()
+            };
+            ends.windows(2).map(panel).sum::<f64>() / r
+        });
+        Estimate { value, error: 0.1 * (value - coarse).abs() + 1e-13 * value }
     }
 
-    fn sum(&self, r: f64, points: usize) -> f64 {
-        let rule = gauss_legendre(points);
-        let mut sum = 0.0;
-        for span in self.spans.iter().filter(|span| span.scattering > 0.0) {
-            let [from, to] = span.z;
-            let in_radii = IN_RADII.iter().map(|end| end * r);
-            let in_mean_free_paths = IN_MEAN_FREE_PATHS.iter();
-            let from_face = in_mean_free_paths.clone().map(|end| from + end / span.extinction);
-            let from_end = in_mean_free_paths.map(|end| to - end / span.extinction);
-            let last = (from + IN_MEAN_FREE_PATHS[8] / span.extinction).min(to);
-            let last = if self.towards.is_some() { to } else { last };
-            let mut ends: Vec<f64> = in_radii.chain(from_face).chain(from_end).collect();
-            ends.retain(|end| *end > from && *end < last);
-            ends.extend([from, last]);
-            ends.sort_by(f64::total_cmp);
-            for panel in ends.windows(2) {
-                let width = panel[1] - panel[0];
-                for (x, weight) in &rule {
-                    let z = panel[0] + width * (0.5 + 0.5 * x);
-                    sum += self.density(span, z, r) * 0.5 * width * weight;
-                }
+    /// Ends of panels of p, between which the integrand is smooth.
+    fn panels(&self, r: f64) -> Vec<f64> {
+        let mut most = self.eta;
+        let mut breaks = vec![];
+        let mut extinction: f64 = 0.0;
+        for (i, span) in self.spans.iter().enumerate() {
+            most = most.min(span.eta);
+            breaks.push(most);
+            extinction = extinction.max(span.extinction);
+            if span.thickness.is_finite() {
+                breaks.extend(self.ray_across(i, r, most));
             }
         }
-        sum
+        let most = self.spans.first().map_or(0.0, |span| span.eta.min(self.eta));
+        let scattering = |span: &&Span| span.scattering > 0.0;
+        let least =
+            self.spans.iter().filter(scattering).map(|span| span.extinction).fold(extinction, f64::min);
+        let first = (r * least / DEEPEST).min(0.5) * most;
+        // Deep sources of the beam
+        let mut ends = vec![0.0, most];
+        let mut end = 0.5 * most;
+        while end > first {
+            ends.push(end);
+            end *= 0.5;
+        }
+        breaks.retain(|end| *end > 0.0 && *end <= most);
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        let mut below = 0.0;
+        for end in breaks {
+            let width = end - below;
+            for step in 1..=GRADES {
+                let part = width * GRADE.powi(step);
+                ends.push(end - part);
+                if below > 0.0 {
+                    ends.push(below + part);
+                }
+            }
+            ends.push(end);
+            below = end;
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        ends
     }
 
-    fn density(&self, span: &Span, z: f64, r: f64) -> f64 {
-        let tau = span.tau + span.extinction * (z - span.z[0]);
-        let fluence = libm::exp(self.towards.map_or(-tau, |end| tau - end));
-        let mu = 1.0 / libm::hypot(1.0, r / z);
-        let distance = z / mu;
-        span.scattering * fluence * libm::exp(-tau / mu) * mu / (4.0 * PI * distance * distance)
+    /// p of the ray that crosses the layers up to one within the distance r.
+    fn ray_across(&self, last: usize, r: f64, most: f64) -> Option<f64> {
+        let distance = |p: f64| -> f64 {
+            self.spans[..=last]
+                .iter()
+                .map(|span| span.thickness * p / (span.eta * span.eta - p * p).sqrt())
+                .sum()
+        };
+        let (mut low, mut high) = (0.0, most);
+        if distance(most) < r {
+            return None;
+        }
+        // In ln p, where p is small
+        for _ in 0..200 {
+            let middle = if low > 0.0 { (low * high).sqrt() } else { 0.5 * high };
+            if middle <= low || middle >= high {
+                break;
+            }
+            if distance(middle) < r {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(low)
+    }
+
+    /// Integrand at p.
+    fn density(&self, p: f64, r: f64) -> f64 {
+        let (mut eta_before, mut before) = (self.eta, 0.0);
+        let (mut exponent, mut passed) = (0.0, 1.0);
+        for span in &self.spans {
+            let square = 1.0 - p * p / (span.eta * span.eta);
+            if square <= 0.0 {
+                return 0.0;
+            }
+            let mu = square.sqrt();
+            if span.eta != eta_before {
+                passed *= 1.0 - fresnel_from_outside(mu, eta_before / span.eta);
+            }
+            let tangent = p / (span.eta * mu);
+            let across = span.thickness * tangent;
+            if before + across > r {
+                if span.scattering == 0.0 {
+                    return 0.0;
+                }
+                let x = (r - before) / tangent;
+                let light = |flux: f64, way: f64, cosine: f64| {
+                    if flux == 0.0 {
+                        0.0
+                    } else {
+                        flux * libm::exp(-span.extinction * way) * density(&span.deflection, cosine)
+                    }
+                };
+                let light = light(span.beam[0], x, -mu) + light(span.beam[1], span.thickness - x, mu);
+                return span.scattering / span.eta
+                    * light
+                    * passed
+                    * libm::exp(-exponent - span.extinction * x / mu);
+            }
+            exponent += span.extinction * span.thickness / mu;
+            (before, eta_before) = (before + across, span.eta);
+        }
+        0.0
+    }
+}
+
+/// Phase function p of the cosine of deflection, per solid angle.
+fn density(deflection: &Deflection, cosine: f64) -> f64 {
+    match deflection {
+        Deflection::Named(PhaseFunction::HenyeyGreenstein { g }) => {
+            let square = 1.0 + g * g - 2.0 * g * cosine;
+            (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
+        }
+        Deflection::Named(PhaseFunction::Rayleigh) => 3.0 / (16.0 * PI) * (1.0 + cosine * cosine),
+        Deflection::Moments(moments) => {
+            let (mut before, mut now, mut sum) = (1.0, cosine, 1.0);
+            for (l, moment) in moments.iter().enumerate() {
+                let order = (l + 1) as f64;
+                sum += (2.0 * order + 1.0) * moment * now;
+                (before, now) = (now, ((2.0 * order + 1.0) * cosine * now - order * before) / (order + 1.0));
+            }
+            (sum / (4.0 * PI)).max(0.0)
+        }
     }
 }

@@ -117,6 +117,20 @@ impl FacetNode {
     }
 }
 
+impl FacetNode {
+    /// Squared distances from a point to the boxes of the children, infinite where there is no child.
+    pub(super) fn squared_distances(&self, from: Vec3) -> Lanes {
+        let ([low_x, low_y, low_z], [high_x, high_y, high_z]) = (&self.low, &self.high);
+        std::array::from_fn(|i| {
+            let off = |low: f32, high: f32, from: f32| (low - from).max(from - high).max(0.0);
+            let off_x = off(low_x[i], high_x[i], from.x);
+            let off_y = off(low_y[i], high_y[i], from.y);
+            let off_z = off(low_z[i], high_z[i], from.z);
+            off_x * off_x + off_y * off_y + off_z * off_z
+        })
+    }
+}
+
 impl Leaf {
     pub(super) fn new(facets: &[Facet]) -> Self {
         let corner =

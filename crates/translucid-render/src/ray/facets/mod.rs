@@ -10,6 +10,7 @@
 mod cone;
 mod crossing;
 mod lanes;
+mod nearest;
 
 use std::ops::Range;
 

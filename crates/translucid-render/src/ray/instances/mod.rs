@@ -401,7 +401,19 @@ pub(super) struct LoneInstance<'a> {
     shared: &'a SharedTree,
 }
 
-impl LoneInstance<'_> {
+impl<'a> LoneInstance<'a> {
+    /// The facets of the mesh, in its own space.
+    pub(super) fn facets(&self) -> &'a Facets {
+        let shared = self.shared;
+        shared.facets.get_or_init(|| {
+            let facet = |triangle: u32| Facet {
+                vertices: LocalTriangle { mesh: &shared.mesh, triangle }.primitive().vertices,
+                triangle: (0, triangle),
+            };
+            Facets::new((0..shared.mesh.triangles.len() as u32).map(facet).collect())
+        })
+    }
+
     /// The nearest hit with the body.
     #[inline]
     pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
@@ -439,16 +451,14 @@ impl LoneInstance<'_> {
         self.block.flags & SIMILARITY != 0
     }
 
+    /// Distance \[L\] from a point to the nearest of the body's facets, or `reach`: the place keeps angles.
+    pub(super) fn distance(&self, facets: &Facets, point: Vec3, reach: f32) -> f32 {
+        facets.distance(self.block.local_point(point), reach / self.block.stretch) * self.block.stretch
+    }
+
     /// See [`Facets::crossings`]: the place keeps angles.
     pub(super) fn crossings(&self, query: &Query, mut found: impl FnMut(Crossing)) {
-        let Self { block, shared, .. } = self;
-        let facets = shared.facets.get_or_init(|| {
-            let facet = |triangle: u32| Facet {
-                vertices: LocalTriangle { mesh: &shared.mesh, triangle }.primitive().vertices,
-                triangle: (0, triangle),
-            };
-            Facets::new((0..shared.mesh.triangles.len() as u32).map(facet).collect())
-        });
+        let (block, facets) = (self.block, self.facets());
         let scale = block.stretch;
         let (beyond, area) = match query.beyond {
             LightOrigin::At(place) => (LightOrigin::At(block.local_point(place)), scale * scale),

@@ -22,7 +22,7 @@ const STRATIFIED: u32 = 5;
 impl Walks {
     /// Leaves the surface through the volume below, where the light of this path may end; false where it is over.
     pub(super) fn scatter_clear<'a, T: Tracer<'a>>(
-        &self,
+        &'a self,
         tracer: &mut T,
         world: &'a World,
         path: &mut PathState,
@@ -109,7 +109,7 @@ impl Walk<'_> {
         mut flight: f32,
     ) -> bool {
         while self.events < self.most_events {
-            match self.fly(flight) {
+            match self.advance(flight, random) {
                 Some(hit) if self.eta == 1.0 => return self.leave(world, path, exit, &hit),
                 Some(hit) => {
                     let u = random.next_4d(sampler);
@@ -141,10 +141,10 @@ impl Walk<'_> {
         }
         let of_light = random.next_4d(sampler);
         if self.eta == 1.0 {
-            let distance = self.add_light_at_collision(world, path, of_light);
+            let distance = self.add_light_at_collision(world, path, of_light, random);
             self.media.weigh(path.sample.radiance(), distance);
         } else {
-            self.add_refracted_light(world, path, of_light, random.next_1d());
+            self.add_refracted_light(world, path, of_light, random);
         }
         let u = random.next_4d(sampler);
         if !self.survives(entered, u[3]) {
@@ -168,7 +168,8 @@ impl Walk<'_> {
             return path.pass(&point, weight);
         }
         let is_refracted = self.eta != 1.0;
-        let origin = MisOrigin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
+        let origin =
+            MisOrigin { point: self.start_of_flight(), normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
         path.diffuse_depth += u32::from(self.has_scattered);
         path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
@@ -201,7 +202,13 @@ impl Walk<'_> {
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
     /// walk's own are, but longer, and only if it gets out of the body the way to the light is looked at. Returns the light's way
     /// through the body.
-    fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) -> f32 {
+    fn add_light_at_collision(
+        &self,
+        world: &World,
+        path: &mut PathState,
+        u: [f32; 4],
+        random: &mut WalkRandom,
+    ) -> f32 {
         let flights = self.flights.stretched(STRETCH);
         let length = flights.sample(self.throughput, u[3]);
         // A light is not even chosen where no flight gets out
@@ -212,7 +219,8 @@ impl Walk<'_> {
             return 0.0;
         };
         self.add_light(world, path, &light, length, |distance| {
-            self.flights.pass_stretched(&flights, self.throughput, distance)
+            let throughput = self.flights.pass_stretched(&flights, self.throughput, distance);
+            self.past_shells(throughput, (light.direction, distance), random)
         })
     }
 
@@ -238,7 +246,9 @@ impl Walk<'_> {
         let weight = self.entering(world, &point, light.direction) * phase;
         let throughput = throughput(distance) * weight;
         let beyond = LightSample { distance: light.distance - distance, ..*light };
-        let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
+        let soft = !world.scene.integrator.caustics;
+        let medium =
+            ShadowMedium { absorption: path.absorption, soft, random: self.at.position.element_sum() };
         let received = weighed(world.unoccluded(&point, &beyond, medium), mis / light.pdf);
         path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
         distance

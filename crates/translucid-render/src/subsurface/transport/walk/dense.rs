@@ -78,7 +78,7 @@ impl WalkMedium {
         exit: &ExitPoint<'_>,
         sampler: &Sampler,
     ) -> Option<DenseEntry> {
-        let is_known = HenyeyGreenstein::new(self.g).is_isotropic();
+        let is_known = HenyeyGreenstein::new(self.g).is_isotropic() && !self.has_shells();
         if !is_known || self.surface == WalkSurface::Clear && self.eta != 1.0 {
             return None;
         }

@@ -27,7 +27,7 @@ const STRATIFIED: u32 = 3;
 impl Walks {
     /// Leaves the surface through the volume below, and goes on where light enters it; false where the path is over.
     pub(super) fn scatter_diffuse<'a, T: Tracer<'a>>(
-        &self,
+        &'a self,
         tracer: &mut T,
         world: &'a World,
         path: &mut PathState,
@@ -149,7 +149,7 @@ impl Walk<'_> {
         mut flight: f32,
     ) -> Option<Hit> {
         while self.events < self.most_events {
-            if let Some(hit) = self.fly(flight) {
+            if let Some(hit) = self.advance(flight, random) {
                 return Some(hit);
             }
             flight = self.turn((random, sampler), entered)?;

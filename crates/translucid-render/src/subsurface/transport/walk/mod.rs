@@ -20,6 +20,7 @@
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: the walk counts how many
 //! it is in, and is outside when there are none.
 
+mod among_shells;
 mod attenuation;
 mod clear;
 mod common_medium;
@@ -33,6 +34,7 @@ mod random;
 mod refracted;
 mod shared;
 mod state;
+mod through_shells;
 mod tilt;
 
 use std::sync::Arc;
@@ -58,7 +60,7 @@ pub(crate) struct Walks {
 impl Walks {
     /// Leaves a surface through the volume below; false where the path is over.
     pub(super) fn scatter<'a, T: Tracer<'a>>(
-        &self,
+        &'a self,
         tracer: &mut T,
         world: &'a World,
         path: &mut PathState,

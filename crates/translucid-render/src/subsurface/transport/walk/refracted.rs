@@ -12,6 +12,7 @@
 //! facet's outside, where it is parallel) and the collision. η² is left out of all radiance inside, and so stands here.
 
 use super::flight::STRETCH;
+use super::random::WalkRandom;
 use super::state::Walk;
 use crate::ray::Crossing;
 use crate::subsurface::entry_point::entry_bsdf;
@@ -19,9 +20,15 @@ use crate::surface::bsdf::fresnel_dielectric;
 use crate::world::{Layer, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 impl Walk<'_> {
-    /// Adds light from one sampled light, refracted by the boundary and scattered at a collision; `choice` is one more
-    /// random number.
-    pub(super) fn add_refracted_light(&self, world: &World, path: &mut PathState, u: [f32; 4], choice: f32) {
+    /// Adds light from one sampled light, refracted by the boundary and scattered at a collision.
+    pub(super) fn add_refracted_light(
+        &self,
+        world: &World,
+        path: &mut PathState,
+        u: [f32; 4],
+        random: &mut WalkRandom,
+    ) {
+        let choice = random.next_1d();
         let Some(light) = world.lights.sample_refracted(self.at.position, u[0], [u[1], u[2]]) else { return };
         let flights = self.flights.stretched(STRETCH);
         let reach = flights.sample(self.throughput, u[3]);
@@ -43,9 +50,11 @@ impl Walk<'_> {
         let phase = self.phase.pdf(self.direction.dot(crossing.direction));
         let mis = light.pdf().map_or(1.0, |pdf| power_heuristic(pdf, phase));
         let geometry = phase * self.let_in(&crossing) / (self.eta * self.eta * crossing.spread * share);
-        let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
+        let soft = !world.scene.integrator.caustics;
+        let medium = ShadowMedium { absorption: path.absorption, soft, random: choice };
         let received = weighed(world.unoccluded(&point, &sample, medium), mis * geometry / sample.pdf);
         let throughput = self.flights.pass_stretched(&flights, self.throughput, crossing.distance);
+        let throughput = self.past_shells(throughput, (crossing.direction, crossing.distance), random);
         path.add_to(
             path.layer_after(Layer::Subsurface),
             received * entry_bsdf(world, &point).tint() * throughput,

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::among_shells::AmongShells;
 use super::common_medium::Media;
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
@@ -23,7 +24,9 @@ pub(super) struct Walk<'a> {
     pub(super) body: Body<'a>,
     /// Side of the surface that the body is on.
     pub(super) side: f32,
+    /// Flights to collisions; where there are shells, those through the least dense of all media.
     pub(super) flights: Flights,
+    pub(super) shells: Option<AmongShells<'a>>,
     pub(super) phase: HenyeyGreenstein,
     /// Tilt of directions after collisions, where scattering is isotropic.
     pub(super) tilt: Tilt,
@@ -54,7 +57,7 @@ impl<'a> Walk<'a> {
         world: &'a World,
         path: &PathState,
         exit: &ExitPoint<'_>,
-        medium: &WalkMedium,
+        medium: &'a WalkMedium,
         direction: Vec3,
     ) -> Option<Self> {
         let Subsurface { surface_albedo, length } = exit.subsurface;
@@ -66,10 +69,12 @@ impl<'a> Walk<'a> {
         let sigma_t = Vec3::select(scatters, length.recip().min(Vec3::MAX), Vec3::ZERO);
         let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
         let sum = throughput.element_sum();
+        let shells = medium.shells(&body, &world.scene.objects, (surface_albedo, length), point.offset);
         (sum > 0.0 && sum.is_finite()).then(|| Self {
             body,
             side,
-            flights: Flights::new(sigma_t),
+            flights: Flights::new(shells.map_or(sigma_t, |shells| shells.least())),
+            shells: shells.map(|shells| AmongShells::new(shells, at.position)),
             phase: HenyeyGreenstein::new(medium.g),
             tilt: Tilt::NONE,
             alpha: medium.single_scattering_albedo(surface_albedo),
