@@ -368,3 +368,15 @@ def test_layers_stop_when_asked():
         reference.layers_walk(10**9, SKIN, progress=stop)
     with pytest.raises(KeyboardInterrupt):
         reference.layers([SKIN[0] | {"absorption": np.linspace(0.1, 2.0, 500)}], progress=stop)
+
+
+def test_layers_that_fit_into_no_memory_are_refused():
+    slab = {"thickness": 1.0, "scattering": 10.0, "absorption": np.ones(10**6)}
+    with pytest.raises(MemoryError, match="too many for memory"):
+        reference.layers([slab], eta_above=np.broadcast_to(1.0, (10**9, 1)))
+
+
+def test_masks_are_refused():
+    masked = np.ma.array([1.0, 10.0], mask=[True, False])
+    with pytest.raises(TypeError, match="has a mask"):
+        reference.layers([{"thickness": 1.0, "scattering": masked, "absorption": 1.0}])

@@ -19,7 +19,7 @@ use crate::files::write_file;
 use crate::model::ConfigurationName;
 use crate::reference::parse_photons;
 use crate::table::{TableArguments, exact, print};
-use crate::{interrupt, machine};
+use crate::{interrupt, machine, messages};
 
 const EXAMPLES: &str = "\
 Skin is an epidermis with melanin on a dermis with blood; lengths are in mm.
@@ -123,6 +123,9 @@ const SPECTRUM_COLUMNS: [&str; 7] = [
     "absorbed_by_epidermis", "absorbed_by_dermis", "absorbed_by_subcutis", "error",
 ];
 
+/// Deviation of a material above which there is a warning.
+const DEVIATION: f64 = 0.1;
+
 /// Runs the verb.
 pub(crate) fn run(arguments: &SkinArguments) -> Result<(), Failure> {
     if arguments.melanin_texture.is_some() || arguments.blood_texture.is_some() {
@@ -184,6 +187,13 @@ impl SkinArguments {
     }
 
     fn print_material(&self, medium: &SkinMedium) -> Result<(), Failure> {
+        let off = medium.deviation.iter().copied().fold(0.0, f64::max);
+        if off > DEVIATION {
+            let percent = 100.0 * off;
+            messages::print_warning(&format!(
+                "no one medium comes near this skin: the light that leaves within a radius is off by up to {percent:.0} %"
+            ));
+        }
         let longest = medium.mfp.iter().copied().fold(0.0, f64::max);
         let list = |numbers: [f64; 3]| numbers.map(|number| format!("{number:.4}")).join(", ");
         let color = format!("[{}]", list(medium.surface_albedo));

@@ -138,6 +138,11 @@ pub(crate) fn run(arguments: &StackArguments) -> Result<(), Failure> {
     if error > ERROR {
         messages::print_warning(&format!("numerical errors may change colors by up to {error:.2} ΔE*ab"));
     }
+    if let [black, white, _] = &rows[..]
+        && black.bare.xyz[1] > white.bare.xyz[1]
+    {
+        messages::print_warning("grounds.black is lighter than grounds.white");
+    }
     if let Some(words) = kubelka_munk_words(&rows, OFF)
         && arguments.format != ReadableFormat::Text
     {

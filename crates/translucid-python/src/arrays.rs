@@ -78,6 +78,11 @@ impl<'py> Numbers<'py> {
             let too_large = |_| PyValueError::new_err(format!("{name} is an integer that is too large"));
             return object.extract().map(Self::One).map_err(too_large);
         }
+        if object.get_type().name()? == "MaskedArray" {
+            return Err(PyTypeError::new_err(format!(
+                "{name} has a mask, which would be ignored: fill or compress it"
+            )));
+        }
         if let Some(numbers) = Self::in_place(object)? {
             return Ok(numbers);
         }

@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyMapping, PyTuple};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -28,6 +28,8 @@ type Inversions = HashMap<u64, AlbedoInversion>;
 const KEYS: [&str; 7] = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "eta"];
 /// The key of a layer that has a list.
 const MOMENTS: &str = "moments";
+/// Numbers that a call returns of each stack, beside what each layer absorbs.
+const RESULTS: usize = 6;
 /// Error of totals beyond which they are none.
 const HOPELESS: f64 = 1e-2;
 
@@ -129,7 +131,17 @@ impl<'py> Stacks<'py> {
     fn shape(&self) -> PyResult<Vec<usize>> {
         let shapes: Vec<(&str, &[usize])> =
             self.arguments.iter().map(|(name, numbers)| (name.as_str(), numbers.shape())).collect();
-        broadcast_shape(&shapes)
+        let shape = broadcast_shape(&shapes)?;
+        // Columns of arguments, of bits, and of results: asked for and given back, as none could only end the process
+        let bytes = size_of::<f64>() * (2 * shapes.len() + 2 * RESULTS);
+        let needed =
+            shape.iter().try_fold(bytes, |bytes, count| bytes.checked_mul(*count)).unwrap_or(usize::MAX);
+        match Vec::<u8>::new().try_reserve_exact(needed) {
+            Ok(()) => Ok(shape),
+            Err(_) => {
+                Err(PyMemoryError::new_err(format!("arguments broadcast to {shape:?}, too many for memory")))
+            }
+        }
     }
 
     /// The different stacks of all elements, and which of them each element has.

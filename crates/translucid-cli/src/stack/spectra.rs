@@ -15,6 +15,8 @@ use crate::table::exact;
 const ALLOWED: Interval = Interval::closed(100.0, 1e5);
 const NEEDED: [f64; 2] = [400.0, 700.0];
 const UNIT: &str = "wavelengths are in nanometers";
+/// Keys whose values cannot be meant for another, when a column has their name.
+const KEYS: [&str; 7] = ["scattering", "absorption", "surface_albedo", "mfp", "g", "eta", "reflectance"];
 /// Most rows of a table in the file itself, and bytes of one beside it.
 const MOST_ROWS: usize = 100_000;
 const MOST_BYTES: u64 = 1 << 24;
@@ -152,7 +154,12 @@ fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneE
 fn read_file(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
     let path = item.file()?;
     let unreadable = |error: std::io::Error| item.error(format!("cannot read {}: {error}", path.display()));
-    let size = std::fs::metadata(&path).map_err(unreadable)?.len();
+    let metadata = std::fs::metadata(&path).map_err(unreadable)?;
+    // A pipe would keep the reader waiting, and a device may never end
+    if !metadata.is_file() {
+        return Err(item.error(format!("cannot read {}: not a file", path.display())));
+    }
+    let size = metadata.len();
     if size > MOST_BYTES {
         return Err(
             item.error(format!("{} has {size} bytes, but at most {MOST_BYTES} are read", path.display()))
@@ -171,15 +178,27 @@ fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f
         SceneError::at(place, error.to_string())
     };
     let header = reader.headers().map_err(|error| broken(&error))?.clone();
+    let refuse = |message: String| SceneError::at(Place::file(path), message);
+    let names: Vec<&str> = header.iter().map(|column| column.trim_start_matches('\u{feff}')).collect();
     let column = |name: &str| {
-        let found = header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
-        found.ok_or_else(|| {
-            let columns = header.iter().collect::<Vec<_>>().join(", ");
-            SceneError::at(Place::file(path), format!("there is no column {name}; the columns are {columns}"))
-        })
+        let found = names.iter().position(|column| *column == name).ok_or_else(|| {
+            let error = refuse(format!("there is no column {name}; the columns are {}", names.join(", ")));
+            if names.iter().any(|column| column.contains([';', '\t'])) {
+                error.with_help("separate columns by commas, and write numbers with a decimal point")
+            } else {
+                error
+            }
+        })?;
+        match names[found + 1..].contains(&name) {
+            true => Err(refuse(format!("there are two columns {name}"))),
+            false => Ok(found),
+        }
     };
     let wavelengths = column("wavelength")?;
-    let values = if header.len() == 2 { 1 - wavelengths } else { column(key)? };
+    let values = if names.len() == 2 { 1 - wavelengths } else { column(key)? };
+    if names[values] != key && KEYS.contains(&names[values]) {
+        return Err(refuse(format!("the column is {}, but {key} is read from it", names[values])));
+    }
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| broken(&error))?;

@@ -55,6 +55,15 @@ fn what_is_printed_is_the_library_s() {
 }
 
 #[test]
+fn material_that_is_far_off_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    for (skin, expected) in [("--bilirubin 1", true), ("--tone III", false)] {
+        let message = stderr(&run(folder.path(), &format!("skin {skin} --photons 500 --what material")));
+        assert_eq!(message.contains("no one medium comes near this skin"), expected, "{message}");
+    }
+}
+
+#[test]
 fn skins_that_are_none_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (words, message) in [

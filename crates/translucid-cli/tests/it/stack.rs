@@ -260,6 +260,11 @@ fn faults_are_named() {
         (file("empty.csv"), "", "layer[0].absorption has no values"),
         (file("header.csv"), "", "there is no column wavelength; the columns are nm, a"),
         (file("columns.csv"), "", "there is no column absorption; the columns are wavelength, a, b"),
+        (file("twice.csv"), "", "there are two columns wavelength"),
+        (file("twice-absorption.csv"), "", "there are two columns absorption"),
+        (file("scattering.csv"), "", "the column is scattering, but absorption is read from it"),
+        (file("semicolons.csv"), "", "separate columns by commas"),
+        (file("/dev/null"), "", "cannot read /dev/null: not a file"),
         (file("columns.csv"), "--channels --format text", "--channels is a table"),
         (format!("{start}absorption = 1\n"), "-o stack.toml", "a file that is read"),
         (table("[400, 700]", "[1, 1]"), "-o no/such/folder.svg", "no/such"),
@@ -271,6 +276,10 @@ fn faults_are_named() {
             ("nan.csv", "wavelength,a\n400,nan\n700,1\n"),
             ("empty.csv", "wavelength,a\n"),
             ("header.csv", "nm,a\n400,1\n700,1\n"),
+            ("twice.csv", "wavelength,wavelength\n400,1\n700,1\n"),
+            ("twice-absorption.csv", "wavelength,absorption,absorption\n400,1,2\n700,1,2\n"),
+            ("scattering.csv", "wavelength,scattering\n400,1\n700,1\n"),
+            ("semicolons.csv", "wavelength;absorption\n400;0,1\n700;0,1\n"),
             ("columns.csv", "wavelength,a,b\n400,1,1\n700,1,1\n"),
         ] {
             std::fs::write(directory.path().join(name), text).unwrap();
@@ -290,6 +299,16 @@ fn faults_are_named() {
         message.contains("layer[0].absorption is a string") && message.contains("translucid stack"),
         "{message}"
     );
+}
+
+#[test]
+fn grounds_that_are_swapped_are_warned_of() {
+    let layer = "[[layer]]\nthickness = 1\nscattering = 1\nabsorption = 1\n[grounds]\n";
+    for (grounds, expected) in [("black = 0.9\nwhite = 0.1\n", true), ("black = 0.1\nwhite = 0.9\n", false)] {
+        let directory = directory_with(&format!("{layer}{grounds}"));
+        let message = stderr(&run(directory.path(), "stack stack.toml"));
+        assert_eq!(message.contains("grounds.black is lighter than grounds.white"), expected, "{message}");
+    }
 }
 
 /// The guide's examples print what stands there.

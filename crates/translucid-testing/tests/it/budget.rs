@@ -10,7 +10,7 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 19] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 8450),
+    ("translucid-cli", 8480),
     ("translucid-display", 100),
     ("translucid-export", 2600),
     ("translucid-files", 200),
@@ -20,7 +20,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-load", 12800),
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
-    ("translucid-python", 5100),
+    ("translucid-python", 5110),
     ("translucid-reference", 9700),
     ("translucid-render", 17470),
     ("translucid-scene", 3880),
