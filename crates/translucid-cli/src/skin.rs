@@ -202,11 +202,12 @@ impl SkinArguments {
         self.table.file().map_or_else(|| print(&text), |path| write_file(path, text.as_bytes()))
     }
 
-    /// Material of a scene file.
+    /// Material of a scene file. Its walk is the one that shows A from every direction, as skin nearly does: refraction at
+    /// the face and a layer above spread what enters.
     fn material(&self, color: &str, radius: f64, radius_scale: &str) -> String {
         format!(
             "# {}; lengths are in mm: unit = \"mm\"\n[[material]]\nname = \"skin\"\nsubsurface_weight = 1\n\
-             subsurface_color = {color}\nsubsurface_radius = {radius:.4}\n\
+             subsurface_model = \"random-walk-diffuse\"\nsubsurface_color = {color}\nsubsurface_radius = {radius:.4}\n\
              subsurface_radius_scale = {radius_scale}\nspecular_ior = {}\n",
             crate::command_line::shown(),
             exact(self.eta),

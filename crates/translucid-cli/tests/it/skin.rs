@@ -29,6 +29,7 @@ fn what_is_printed_is_the_library_s() {
         assert!(medium.deviation[c] < 0.06, "{medium:?}");
     }
     let text = stdout(folder.path(), "skin --tone II --blood 0.01 --photons 500 --what material");
+    assert!(text.contains("subsurface_model = \"random-walk-diffuse\"\n"), "{text}");
     let longest = medium.mfp[0];
     assert!(
         text.contains(&format!("subsurface_radius = {longest:.4}\nsubsurface_radius_scale = [1.0000, ")),
