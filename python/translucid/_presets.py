@@ -20,7 +20,7 @@ class Presets(Mapping):
     --------
     >>> import translucid
     >>> len(translucid.presets)
-    59
+    65
     >>> translucid.presets["Whole Milk"].name
     'wholemilk'
     >>> milk = translucid.presets["wholemilk"]
