@@ -81,12 +81,12 @@ pub(crate) struct SkinArguments {
     /// Index of refraction
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     eta: f64,
-    /// What to print
+    /// Figures that are printed
     #[arg(long, value_enum, default_value = "medium")]
     what: What,
-    /// Light for --what color and spectrum
-    #[arg(long, value_enum, default_value = "diffuse")]
-    configuration: ConfigurationName,
+    /// Light for --what color and spectrum [default: diffuse]
+    #[arg(long, value_enum)]
+    configuration: Option<ConfigurationName>,
     /// Photons for each of 31 wavelengths, for --what medium, material and profile
     #[arg(long, value_name = "N", default_value = "20000", value_parser = parse_photons)]
     photons: u64,
@@ -96,7 +96,7 @@ pub(crate) struct SkinArguments {
     /// Picture of melanin, whose red channel times --melanin is the melanin at each pixel; -o names a directory for textures
     #[arg(long, value_name = "FILE", conflicts_with_all = ["what", "configuration", "format"])]
     melanin_texture: Option<PathBuf>,
-    /// The same of blood
+    /// Picture of blood, whose red channel times --blood is the blood at each pixel
     #[arg(long, value_name = "FILE", conflicts_with_all = ["what", "configuration", "format"])]
     blood_texture: Option<PathBuf>,
     #[command(flatten)]
@@ -107,7 +107,7 @@ pub(crate) struct SkinArguments {
 enum What {
     /// Surface albedo and mean free path of each channel
     Medium,
-    /// The same for a scene file
+    /// A material for a scene file
     Material,
     /// XYZ, CIELAB and sRGB
     Color,
@@ -133,6 +133,14 @@ pub(crate) fn run(arguments: &SkinArguments) -> Result<(), Failure> {
     }
     arguments.table.refuse_npz()?;
     arguments.table.check()?;
+    if arguments.configuration.is_some() && !matches!(arguments.what, What::Color | What::Spectrum) {
+        let message =
+            "--configuration belongs to --what color and spectrum: a medium is made for diffuse light";
+        return Err(Failure::input(message));
+    }
+    if arguments.table.is_json() && arguments.what == What::Material {
+        return Err(Failure::input("--what material is part of a scene file, and has no --format json"));
+    }
     let skin = Skin::new(arguments.parameters()).map_err(refused)?;
     machine::threads(arguments.threads)?.install(|| match arguments.what {
         What::Color => arguments.print_color(&skin),
@@ -161,7 +169,8 @@ impl SkinArguments {
     }
 
     fn totals(&self, skin: &Skin) -> Result<Vec<Totals>, Failure> {
-        skin.totals(Incidence::from(Configuration::from(self.configuration))).map_err(refused)
+        let configuration = self.configuration.map_or(Configuration::Diffuse, Configuration::from);
+        skin.totals(Incidence::from(configuration)).map_err(refused)
     }
 
     fn medium(&self, skin: &Skin) -> Result<SkinMedium, Failure> {

@@ -1,6 +1,5 @@
 //! Fits to a table of a user's own.
 
-use std::fs;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,6 +14,7 @@ use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
 use crate::failure::Failure;
+use crate::files::{broken_csv, read_at_most};
 use crate::interrupt;
 use crate::model::ConfigurationName;
 use crate::progress::{Meter, Unit};
@@ -295,25 +295,13 @@ fn warn(path: &Path, errors: Errors, fits: &[Fit]) {
 
 /// Reads the samples of a file: columns r, reflectance and optionally error or standard_error.
 fn load(path: &Path) -> Result<(Vec<Sample>, Errors), SceneError> {
-    let failed =
-        |error: std::io::Error| SceneError::at(Place::file(path), format!("cannot read the file: {error}"));
-    let size = fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
-        return Err(SceneError::at(
-            Place::file(path),
-            format!("has {size} bytes, but at most {MOST_BYTES} are read"),
-        ));
-    }
-    parse(&fs::read(path).map_err(failed)?, path)
+    let refused = |message| SceneError::at(Place::file(path), message);
+    parse(&read_at_most(path, MOST_BYTES).map_err(refused)?, path)
 }
 
 fn parse(bytes: &[u8], path: &Path) -> Result<(Vec<Sample>, Errors), SceneError> {
     let mut reader = ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let broken = |error: &csv::Error| {
-        let line = error.position().map(|position| position.line() as usize);
-        let place = line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-        SceneError::at(place, error.to_string())
-    };
+    let broken = |error: &csv::Error| broken_csv(path, error);
     let header = reader.headers().map_err(|error| broken(&error))?.clone();
     let column = |name: &str| column(&header, name, path);
     let (r, reflectance) =

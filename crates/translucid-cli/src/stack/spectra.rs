@@ -9,6 +9,7 @@ use translucid_laboratory::colorimetry::{WAVELENGTHS, wavelength};
 use translucid_scene::description::{Content, Item};
 use translucid_scene::{Interval, Place, SceneError};
 
+use crate::files::{broken_csv, read_at_most};
 use crate::table::exact;
 
 /// Wavelengths that a table may have, and those that it must cover \[nm\].
@@ -23,7 +24,7 @@ const MOST_BYTES: u64 = 1 << 24;
 
 /// Values of a key.
 enum Values {
-    /// The same for all channels.
+    /// One number for all channels.
     Number(f64),
     /// Red, green and blue.
     Rgb([f64; 3]),
@@ -153,30 +154,15 @@ fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneE
 /// A CSV file with the columns `wavelength` and, unless it has just one other, that of the key's name.
 fn read_file(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
     let path = item.file()?;
-    let unreadable = |error: std::io::Error| item.error(format!("cannot read {}: {error}", path.display()));
-    let metadata = std::fs::metadata(&path).map_err(unreadable)?;
-    // A pipe would keep the reader waiting, and a device may never end
-    if !metadata.is_file() {
-        return Err(item.error(format!("cannot read {}: not a file", path.display())));
-    }
-    let size = metadata.len();
-    if size > MOST_BYTES {
-        return Err(
-            item.error(format!("{} has {size} bytes, but at most {MOST_BYTES} are read", path.display()))
-        );
-    }
-    let bytes = std::fs::read(&path).map_err(unreadable)?;
+    let refused = |message: String| item.error(format!("{} {message}", path.display()));
+    let bytes = read_at_most(&path, MOST_BYTES).map_err(refused)?;
     let key = item.path().rsplit('.').next().unwrap_or_default();
     parse(&bytes, &path, key, range)
 }
 
 fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
     let mut reader = ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let broken = |error: &csv::Error| {
-        let line = error.position().map(|position| position.line() as usize);
-        let place = line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-        SceneError::at(place, error.to_string())
-    };
+    let broken = |error: &csv::Error| broken_csv(path, error);
     let header = reader.headers().map_err(|error| broken(&error))?.clone();
     let refuse = |message: String| SceneError::at(Place::file(path), message);
     let names: Vec<&str> = header.iter().map(|column| column.trim_start_matches('\u{feff}')).collect();

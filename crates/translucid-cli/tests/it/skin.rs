@@ -76,6 +76,8 @@ fn skins_that_are_none_are_refused() {
         ("--tone VII", "invalid value 'VII'"),
         ("--photons 99", "--photons is 99, but must be at least 100"),
         ("--blood 1 --bilirubin 1 --carotene 1", "this skin's blue in sRGB is -"),
+        ("--configuration searchlight", "--configuration belongs to --what color and spectrum"),
+        ("--what material --format json", "has no --format json"),
         ("--melanin-texture no.png", "-o DIR"),
         ("--melanin-texture no.png -o out", "no.png"),
         ("--melanin-texture no.png --what color", "cannot be used with"),

@@ -51,7 +51,7 @@ pub const TONES: [Tone; 6] = [
     Tone { name: "VI", melanin: 0.225, blood: 0.0055 },
 ];
 
-/// What skin is made of, to be filled in; [`Skin::new`] checks it.
+/// Amounts and thicknesses that make skin, to be filled in; [`Skin::new`] checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinParameters {
     /// Part of the epidermis that melanosomes fill, in [0, 1].

@@ -4,12 +4,14 @@
 
 use std::f64::consts::LN_10;
 
-/// Melanosomes of skin (S. L. Jacques 1998, *Skin optics*, omlc.org/news/jan98): 6.6e11 λ^−3.33 cm⁻¹.
+/// Absorption coefficient \[mm⁻¹\] of melanosomes of skin (S. L. Jacques 1998, *Skin optics*, omlc.org/news/jan98):
+/// 6.6e11 λ^−3.33 cm⁻¹.
 pub(super) fn eumelanin(wavelength: f64) -> f64 {
     6.6e10 * libm::pow(wavelength, -3.33)
 }
 
-/// The same volume of pheomelanin (C. Donner and H. W. Jensen 2006, *A spectral BSSRDF for shading human skin*).
+/// Absorption coefficient \[mm⁻¹\] of as large a volume of pheomelanin (C. Donner and H. W. Jensen 2006, *A spectral BSSRDF
+/// for shading human skin*).
 pub(super) fn pheomelanin(wavelength: f64) -> f64 {
     2.9e14 * libm::pow(wavelength, -4.75)
 }

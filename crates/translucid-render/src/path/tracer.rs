@@ -148,7 +148,7 @@ impl<'a> PathTracer<'a> {
         let (index, material) = world.material(point);
         let u = Choices(sampler.reserve());
         // Before it is passed: light samples of it bring all of its emission, too
-        if is_met(path, material) {
+        if matches!(meeting_where_opaque(path, material), Meeting::Surface) {
             add_emission(world, path, point, material, hit);
         }
         if let Some(goes_on) = pass_or_hide(world, path, point, material, u, sampler) {
@@ -330,20 +330,15 @@ fn meeting(
     if opacity < 1.0 && u.of_opacity() >= opacity {
         return Meeting::Passing;
     }
+    meeting_where_opaque(path, material)
+}
+
+fn meeting_where_opaque(path: &PathState, material: &Material) -> Meeting {
     match material.camera_visibility {
         CameraVisibility::None if path.is_of_camera() => Meeting::Passing,
         // Also behind a body, which covers as much as it keeps
         CameraVisibility::Shadow if path.depth == 0 => Meeting::Shadow,
         _ => Meeting::Surface,
-    }
-}
-
-/// Returns `true` if a path meets surfaces of a material, where they are opaque.
-fn is_met(path: &PathState, material: &Material) -> bool {
-    match material.camera_visibility {
-        CameraVisibility::None => !path.is_of_camera(),
-        CameraVisibility::Shadow => path.depth > 0,
-        CameraVisibility::Surface => true,
     }
 }
 

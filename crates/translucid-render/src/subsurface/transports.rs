@@ -83,20 +83,18 @@ impl Transports {
                 let medium = transport.medium();
                 medium.is_some_and(|medium| medium.has_unresolved_shells(length(0.0), offset_at(at)))
             };
-            if transport.medium().is_some_and(|medium| medium.has_shells())
-                && is_unresolved(high.abs().max(low.abs()).max_element())
-                && is_unresolved(nearest_facet(object))
-            {
+            let farthest = high.abs().max(low.abs()).max_element();
+            let facet = is_unresolved(farthest).then(|| nearest_facet(object));
+            if let Some(facet) = facet.filter(|facet| is_unresolved(*facet)) {
                 let advice = if nearest > 0.0 {
                     "aim the camera at it, which moves the origin there"
                 } else {
                     "make them thicker or less dense"
                 };
                 let message = format!(
-                    "object {} is {} {} from the scene's origin, where single precision does not resolve such layers: \
+                    "object {} is {facet} {} from the scene's origin, where single precision does not resolve such layers: \
                      they are rendered thicker or less dense; {advice}",
                     object.name,
-                    nearest_facet(object),
                     scene.unit.name()
                 );
                 let material = Some(material.name.clone());

@@ -111,8 +111,8 @@ impl WalkMedium {
     /// rounding error of `offset` resolve.
     pub(crate) fn has_unresolved_shells(&self, length: Vec3, offset: f32) -> bool {
         let finest = (LEAST_OFFSETS_OF_MFP * offset).recip();
-        self.has_shells() && (length.recip().max(self.shells.densest()).max_element() > finest)
-            || self.shells.thinnest() < offset
+        let densest = length.recip().max(self.shells.densest()).max_element();
+        self.has_shells() && (densest > finest || self.shells.thinnest() < offset)
     }
 
     /// A surface albedo above 0 in every channel in which light may come out of a body of this surface albedo.

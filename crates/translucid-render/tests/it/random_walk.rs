@@ -11,7 +11,6 @@ use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, 
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 use translucid_reference::{Estimate, Incidence};
 use translucid_render::PixelSample;
-use translucid_render::measure::Frame;
 use translucid_render::measure::bsdf::{Ggx, fresnel_dielectric};
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
@@ -20,8 +19,8 @@ use translucid_scene::{
 use translucid_testing::{SplitMix, power};
 
 use crate::common::{
-    GRAY, PreparedScene, assert_agree, assert_within, distant, matte, mean_of, measure, on_threads, picture,
-    prepare, quad, sample_ray, samples, scene, sphere, uniform_environment,
+    GRAY, PreparedScene, assert_agree, assert_within, distant, even, flux_of, matte, measure, on_threads,
+    picture, prepare, quad, samples, scene, sphere, uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.05);
@@ -58,36 +57,10 @@ fn per_channel(f: impl Fn(usize) -> f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| f(c) as f32))
 }
 
-/// Number `index` of a sequence that fills the unit cube evenly [R. Roberts 2018], shifted by the seed.
-fn even(seed: u64, index: u32) -> [f64; 4] {
-    let steps = [0.856_674_883_854_503, 0.733_891_856_627_126, 0.628_706_721_232_846, 0.538_596_797_867_173];
-    std::array::from_fn(|i| {
-        let shift = (seed as f64 * (0.618_034 + 0.1 * i as f64)).fract();
-        (0.5 + shift + f64::from(index) * steps[i]).fract()
-    })
-}
-
 /// Mean radiance over cosine-distributed directions, which is the radiosity over π, at points with a normal that `place`
 /// draws by two random numbers.
 fn flux(renderer: &PreparedScene, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     flux_of(PixelSample::radiance, renderer, samples, place)
-}
-
-/// As [`flux`], of a part of the light.
-fn flux_of(
-    part: impl Fn(&PixelSample) -> Vec3 + Sync,
-    renderer: &PreparedScene,
-    samples: u32,
-    place: impl Fn([f64; 2]) -> (Vec3, Vec3),
-) -> (Vec3, Vec3) {
-    mean_of(samples, |seed, index| {
-        let [u, v, x, y] = even(seed, index);
-        let (point, normal) = place([x, y]);
-        let (r, phi) = (u.sqrt(), std::f64::consts::TAU * v);
-        let local = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, (1.0 - u).sqrt() as f32);
-        let out = Frame::from_normal(normal).to_world(local).normalize();
-        part(&sample_ray(renderer, point + out, -out, seed, index))
-    })
 }
 
 /// Light from everywhere that the camera sees, too.

@@ -11,7 +11,6 @@ use translucid_profile::{AlbedoInversion, Configuration, Parameterization};
 use translucid_reference::Incidence;
 use translucid_reference::layers::{Ground, Layer, Layers, Totals};
 use translucid_render::PixelSample;
-use translucid_render::measure::Frame;
 use translucid_scene::{
     ColorInput, LayerMedium, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceLayer,
     SubsurfaceModel, WalkSurface,
@@ -19,8 +18,8 @@ use translucid_scene::{
 use translucid_testing::{SplitMix, is_thorough, power};
 
 use crate::common::{
-    PreparedScene, assert_agree, assert_within, distant, matte, mean_of, measure, prepare, quad, sample_ray,
-    samples, scene, sphere, uniform_environment,
+    assert_agree, assert_within, distant, flux_of, matte, measure, prepare, quad, samples, scene, sphere,
+    uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
@@ -111,32 +110,6 @@ fn per_channel(f: impl Fn(usize) -> f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| f(c) as f32))
 }
 
-/// Number `index` of a sequence that fills the unit cube evenly [R. Roberts 2018], shifted by the seed.
-fn even(seed: u64, index: u32) -> [f64; 4] {
-    let steps = [0.856_674_883_854_503, 0.733_891_856_627_126, 0.628_706_721_232_846, 0.538_596_797_867_173];
-    std::array::from_fn(|i| {
-        let shift = (seed as f64 * (0.618_034 + 0.1 * i as f64)).fract();
-        (0.5 + shift + f64::from(index) * steps[i]).fract()
-    })
-}
-
-/// Mean radiance over cosine-distributed directions at points with a normal that `place` draws by two random numbers.
-fn flux(
-    part: impl Fn(&PixelSample) -> Vec3 + Sync,
-    renderer: &PreparedScene,
-    samples: u32,
-    place: impl Fn([f64; 2]) -> (Vec3, Vec3),
-) -> (Vec3, Vec3) {
-    mean_of(samples, |seed, index| {
-        let [u, v, x, y] = even(seed, index);
-        let (point, normal) = place([x, y]);
-        let (r, phi) = (u.sqrt(), std::f64::consts::TAU * v);
-        let local = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, (1.0 - u).sqrt() as f32);
-        let out = Frame::from_normal(normal).to_world(local).normalize();
-        part(&sample_ray(renderer, point + out, -out, seed, index))
-    })
-}
-
 fn scaled((mean, error): (Vec3, Vec3), factor: f32) -> (Vec3, Vec3) {
     (mean * factor, error * factor)
 }
@@ -179,7 +152,7 @@ fn plane_in_diffuse_light_returns_that_of_exact_layers() {
         scene.environment = uniform_environment(Vec3::ONE);
         let renderer = prepare(scene);
         assert!(renderer.notes().is_empty(), "{:?}", renderer.notes());
-        let result = flux(|sample| sample.subsurface, &renderer, samples(1 << 19), on_plane);
+        let result = flux_of(|sample| sample.subsurface, &renderer, samples(1 << 19), on_plane);
         assert_exact(name, result, per_channel(|c| exact[c].diffuse_reflectance));
     }
 }
@@ -195,7 +168,7 @@ fn slab_in_diffuse_light_returns_that_of_exact_layers() {
         let exact = totals(&material, f64::from(thickness) - 2.0 * shells, Incidence::Cosine);
         let mut scene = slab(thickness, material);
         scene.environment = uniform_environment(Vec3::ONE);
-        let result = flux(PixelSample::radiance, &prepare(scene), samples(1 << 19), on_plane);
+        let result = flux_of(PixelSample::radiance, &prepare(scene), samples(1 << 19), on_plane);
         assert_exact(name, result, per_channel(|c| 1.0 - exact[c].absorbed.iter().sum::<f64>()));
     }
 }
@@ -207,7 +180,7 @@ fn layer_thicker_than_the_body_is_alone() {
         let layers = vec![coefficients(thick, [3.0, 2.0, 1.0], [0.1, 0.3, 0.6], 0.5), skin(0.0)[0]];
         let mut scene = slab(1.5, material(WalkSurface::Clear, layers.clone()));
         scene.environment = uniform_environment(Vec3::ONE);
-        let result = flux(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
+        let result = flux_of(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
         let expected = per_channel(|c| {
             let layer = Layer { thickness: 1.5, ..exact_layer(&layers[0], c) };
             let layers = Layers::new(1.0, vec![layer], Ground::AIR).unwrap();
@@ -223,7 +196,7 @@ fn thin_layer_leaves_the_innermost_medium() {
     let layers = vec![coefficients(2e-4, [1.0, 2.0, 0.5], [0.5, 0.1, 2.0], 0.9)];
     let mut scene = plane(material(WalkSurface::Clear, layers));
     scene.environment = uniform_environment(Vec3::ONE);
-    let result = flux(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
+    let result = flux_of(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
     assert_within("thin", result, ALBEDO);
 }
 
@@ -235,7 +208,7 @@ fn bright_layer_on_a_black_body_is_seen() {
     material.subsurface_color = ColorInput::constant(Vec3::ZERO);
     let mut scene = plane(material);
     scene.environment = uniform_environment(Vec3::ONE);
-    let result = flux(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
+    let result = flux_of(PixelSample::radiance, &prepare(scene), samples(1 << 18), on_plane);
     let expected = per_channel(|c| {
         let layers = Layers::new(1.0, vec![exact_layer(&layer, c)], Ground::BLACK).unwrap();
         layers.totals(Incidence::Cosine).unwrap().diffuse_reflectance
@@ -269,7 +242,7 @@ fn dielectric_plane_in_parallel_light_returns_that_of_exact_layers() {
         let exact = totals(&material, f64::INFINITY, Incidence::Pencil { cos_theta: cosine.into() });
         let mut scene = plane(material);
         scene.lights.push(distant(Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)));
-        let result = flux(|sample| sample.subsurface, &prepare(scene), samples(1 << 18), on_plane);
+        let result = flux_of(|sample| sample.subsurface, &prepare(scene), samples(1 << 18), on_plane);
         let expected = per_channel(|c| exact[c].diffuse_reflectance * f64::from(cosine));
         assert_within(&format!("cos {cosine}"), scaled(result, PI), expected);
     }
@@ -503,7 +476,7 @@ fn sphere_agrees_with_a_slow_walk_through_concentric_shells() {
                 let normal = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32).normalize();
                 (normal * radius, normal)
             };
-            let result = flux(PixelSample::radiance, &renderer, samples(1 << 16), place);
+            let result = flux_of(PixelSample::radiance, &renderer, samples(1 << 16), place);
             // Light on the cross section πρ² that leaves through the area 4πρ²/n
             let factor = RINGS as f32 / 4.0;
             let expected = (

@@ -159,19 +159,26 @@ fn deepest(layer: &Layer) -> f64 {
 fn panel_ends(layer: &Layer) -> Vec<f64> {
     let (scale, is_endless) = (scale(layer), layer.thickness.is_infinite());
     let middle = if is_endless { scale * deepest(layer) } else { 0.5 * layer.thickness };
+    let growth = |end: f64| {
+        if is_endless && end >= ENDLESS_FROM * scale { ENDLESS_GROWTH } else { GROWTH }
+    };
+    ends_to(middle, layer.thickness, PANELS.map(|end| end * scale), growth)
+}
+
+/// Ends of panels from a face to another, mirrored at the middle, or to the middle of an endless layer, which is its deepest
+/// end: first some that are given, then such that grow by a factor of the last one.
+pub(super) fn ends_to(middle: f64, thickness: f64, first: [f64; 5], growth: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut ends = vec![0.0];
-    ends.extend(PANELS.iter().map(|end| end * scale));
-    while ends[ends.len() - 1] < middle {
-        let last = ends[ends.len() - 1];
-        let is_deep = is_endless && last >= ENDLESS_FROM * scale;
-        ends.push(last * if is_deep { ENDLESS_GROWTH } else { GROWTH });
+    ends.extend(first);
+    while let Some(last) = ends.last().copied().filter(|last| *last < middle) {
+        ends.push(last * growth(last));
     }
-    if is_endless {
+    if thickness.is_infinite() {
         return ends;
     }
     // A last panel that would be very small becomes part of the one before
     ends.retain(|end| *end < 0.8 * middle);
-    let above: Vec<f64> = ends.iter().rev().map(|end| layer.thickness - end).collect();
+    let above: Vec<f64> = ends.iter().rev().map(|end| thickness - end).collect();
     ends.push(middle);
     ends.extend(above);
     ends

@@ -21,7 +21,7 @@ use super::super::operators::{face, normalized};
 use super::super::rays::Rays;
 use super::super::{Ground, Layer, Layers};
 use super::chain::{Exits, Pass, beam, etas, reflect, straight};
-use super::depths::in_unit;
+use super::depths::{ends_to, in_unit};
 use super::panel::{Panel, PanelRule};
 
 /// How finely light is resolved.
@@ -536,20 +536,7 @@ fn panel_ends(layer: &Layer, extinction: f64, k: f64) -> Vec<f64> {
     } else {
         0.5 * layer.thickness
     };
-    let mut ends = vec![0.0];
-    ends.extend(PANELS.iter().map(|end| end * scale));
-    while ends[ends.len() - 1] < middle {
-        ends.push(ends[ends.len() - 1] * GROWTH);
-    }
-    if is_endless {
-        return ends;
-    }
-    // A last panel that would be very small becomes part of the one before
-    ends.retain(|end| *end < 0.8 * middle);
-    let above: Vec<f64> = ends.iter().rev().map(|end| layer.thickness - end).collect();
-    ends.push(middle);
-    ends.extend(above);
-    ends
+    ends_to(middle, layer.thickness, PANELS.map(|end| end * scale), |_| GROWTH)
 }
 
 /// σ_s h w by order and parity.

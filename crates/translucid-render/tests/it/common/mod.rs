@@ -9,4 +9,6 @@ pub(crate) use rendering::{
     render_until, sample_ray, with_points,
 };
 pub(crate) use scenes::{GRAY, distant, matte, quad, scene, sphere, uniform_environment};
-pub(crate) use statistics::{assert_agree, assert_within, mean_of, measure, precision, samples};
+pub(crate) use statistics::{
+    assert_agree, assert_within, even, flux_of, mean_of, measure, precision, samples,
+};

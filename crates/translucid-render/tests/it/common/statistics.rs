@@ -1,6 +1,8 @@
 //! Means with their errors, and judgements by them.
 
 use glam::Vec3;
+use translucid_render::PixelSample;
+use translucid_render::measure::Frame;
 use translucid_testing::{is_thorough, power};
 
 use super::rendering::{PreparedScene, sample_ray};
@@ -34,6 +36,33 @@ pub(crate) fn mean_of(samples: u32, sample: impl Fn(u64, u32) -> Vec3) -> (Vec3,
         (variance / n).sqrt()
     });
     (Vec3::from_array(mean.map(|x| x as f32)), Vec3::from_array(error.map(|x| x as f32)))
+}
+
+/// Mean of a part of the light over cosine-distributed directions at points with a normal that `place` draws by two random
+/// numbers.
+pub(crate) fn flux_of(
+    part: impl Fn(&PixelSample) -> Vec3 + Sync,
+    renderer: &PreparedScene,
+    samples: u32,
+    place: impl Fn([f64; 2]) -> (Vec3, Vec3),
+) -> (Vec3, Vec3) {
+    mean_of(samples, |seed, index| {
+        let [u, v, x, y] = even(seed, index);
+        let (point, normal) = place([x, y]);
+        let (r, phi) = (u.sqrt(), std::f64::consts::TAU * v);
+        let local = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, (1.0 - u).sqrt() as f32);
+        let out = Frame::from_normal(normal).to_world(local).normalize();
+        part(&sample_ray(renderer, point + out, -out, seed, index))
+    })
+}
+
+/// Number `index` of a sequence that fills the unit cube evenly [R. Roberts 2018], shifted by the seed.
+pub(crate) fn even(seed: u64, index: u32) -> [f64; 4] {
+    let steps = [0.856_674_883_854_503, 0.733_891_856_627_126, 0.628_706_721_232_846, 0.538_596_797_867_173];
+    std::array::from_fn(|i| {
+        let shift = (seed as f64 * (0.618_034 + 0.1 * i as f64)).fract();
+        (0.5 + shift + f64::from(index) * steps[i]).fract()
+    })
 }
 
 /// Mean radiance along a ray with its standard error per channel.
