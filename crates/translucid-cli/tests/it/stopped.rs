@@ -200,7 +200,7 @@ fn too_little_memory_is_an_error_with_numbers() {
     fs::write(directory.join("grid.obj"), vertices.chain(faces).collect::<String>()).unwrap();
     let words = "render grid.obj --preset marble --unit mm --size 500x500 --spp 1 --threads 2 -o a.png";
     let (mut pictures, mut refusals) = (0, 0);
-    for mebibytes in [24, 40, 70, 100, 150, 250, 1200] {
+    for mebibytes in [24, 40, 70, 100, 150, 200, 250, 1200] {
         let limit = format!("export RUST_BACKTRACE=0; ulimit -v {}; exec timeout 60", mebibytes * 1024);
         let output = start(&directory, &limit, words).wait_with_output().unwrap();
         let text = stderr(&output);
