@@ -22,7 +22,7 @@ import peers
 ROOT, CACHE = peers.ROOT, peers.CACHE / "artists"
 SCENES = "head,figure,milk,jade,candle,marble,fruit,soap,hand,food"
 PAGE = ROOT / "docs" / "speed" / "how-fast.md"
-BEGIN, END = "<!-- measured: python3 benches/peers/artists.py --blender PYTHON,PYTHON --write -->\n", "<!-- end of what was measured -->"
+BEGIN, END = "<!-- measured: python3 benches/peers/artists.py --blender PYTHON,PYTHON{} --write -->\n", "<!-- end of what was measured -->"
 PLAIN = {"use_sharing": True, "use_denoising": False}
 
 
@@ -111,12 +111,11 @@ def compare_denoised(scene, file, systems, arguments):
     for system in systems:
         start = system.image(file, 2, 1, 0)[1]
         truth = shown(system.image(file, arguments.size, arguments.reference_samples, 77, use_denoising=True)[0])
-        for name, settings in {"": {}, ", not shared": {"use_sharing": False}}.items():
-            for spp in arguments.spp if not settings or system.engine != "CYCLES" else ():
-                images = [system.image(file, arguments.size, spp, seed, use_denoising=True, **settings) for seed in range(arguments.pairs)]
-                error = np.mean([evaluate(truth, shown(image), "LDR")[1] for image, _ in images])
-                seconds = np.mean([seconds for _, seconds in images]) - start
-                found.setdefault(system.name + name, []).append((seconds, error))
+        for spp in arguments.spp:
+            images = [system.image(file, arguments.size, spp, seed, use_denoising=True) for seed in range(arguments.pairs)]
+            error = np.mean([evaluate(truth, shown(image), "LDR")[1] for image, _ in images])
+            seconds = np.mean([seconds for _, seconds in images]) - start
+            found.setdefault(system.name, []).append((seconds, error))
     # Of two straight lines through the logarithms, where the second has its mean
     other = np.log(list(found.values())[-1])
     to_same = lambda points: np.polyval(np.polyfit(np.log(points)[:, 1], np.log(points)[:, 0], 1), other[:, 1].mean())
@@ -252,8 +251,9 @@ def main():
         if arguments.json:
             arguments.json.write_text(json.dumps(kept, indent=1))
     if arguments.write:
-        before, rest = PAGE.read_text().split(BEGIN)
-        PAGE.write_text(f"{before}{BEGIN}\n" + "\n".join(text) + f"\n{END}{rest.split(END, 1)[1]}")
+        begin = BEGIN.format(" --denoised" if arguments.denoised else "")
+        before, rest = PAGE.read_text().split(begin)
+        PAGE.write_text(f"{before}{begin}\n" + "\n".join(text) + f"\n{END}{rest.split(END, 1)[1]}")
 
 
 if __name__ == "__main__":

@@ -325,6 +325,15 @@ def errors_of_denoising(samples, reference):
     return error(noisy), error(denoised), (clean, noisy, denoised)
 
 
+def test_only_pictures_that_are_not_denoised_share():
+    still_life(16, 16, samples=1)
+    scene = bpy.context.scene
+    shares = lambda **of: addon.engine.settings.integrator_keys(scene, 1, None, **of)["subsurface_sharing"]
+    assert shares() and not shares(is_denoised=True)
+    scene.translucid.use_sharing = False
+    assert not shares()
+
+
 def test_denoising_is_by_blenders_own_library():
     still_life(64, 48)
     noisy, denoised, pictures = errors_of_denoising(8, 256)

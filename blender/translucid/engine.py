@@ -160,7 +160,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         self._watch(session, scene, frame.samples, lambda: self._show(frame, session, False))
         for matte in mattes.mattes_of(frame.layer, self._description):
             self._add_matte(frame, session, matte)
-        self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
+        self._show(frame, session, self._is_denoised(scene))
 
     def _add_matte(self, frame, session, matte):
         """Hands a Cryptomatte over, and the notes by which files name what is in it."""
@@ -176,10 +176,14 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         for key, text in matte.notes().items():
             self.get_result().stamp_data_add_field(key, text)
 
+    def _is_denoised(self, scene):
+        return scene.translucid.use_denoising and not self.is_preview
+
     def _prepared(self, scene, frame):
         """A session, which another thread makes."""
         description = self._description
-        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, frame.samples, settings.model_of(scene))
+        film, model = settings.film_keys(scene, *frame.size), settings.model_of(scene)
+        integrator = settings.integrator_keys(scene, frame.samples, model, is_denoised=self._is_denoised(scene))
         threads = settings.threads_of(scene)
         self._state("Preparing")
 

@@ -48,7 +48,7 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
         update=_changed,
     )
     use_sharing: bpy.props.BoolProperty(
-        name="Share between Pixels", description="Pixels share light below the surface, which reduces noise", default=True, update=_changed
+        name="Share between Pixels", description="Pixels share light below the surface, which reduces noise; not in denoised pictures, which are better and faster without", default=True, update=_changed
     )
     max_bounces: bpy.props.IntProperty(name="Bounces", description="Maximum number of scattering events on a path after the first", default=12, min=0, max=1023, update=_changed)
     use_caustics: bpy.props.BoolProperty(

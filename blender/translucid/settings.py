@@ -11,8 +11,11 @@ TAIL = 1e-3
 _DIFFUSE_EVENTS = 5
 
 
-def integrator_keys(scene, samples, model, method=None):
-    """`model` takes the place of the transports that belong to the nodes' methods, `method` that of the scene's."""
+def integrator_keys(scene, samples, model, method=None, is_denoised=False):
+    """`model` takes the place of the transports that belong to the nodes' methods, `method` that of the scene's.
+
+    Denoised pictures do not share: what sharing leaves is alike in neighboring pixels, and a denoiser takes it for detail.
+    """
     settings = scene.translucid
     method = method or settings.method
     keys = {
@@ -21,7 +24,7 @@ def integrator_keys(scene, samples, model, method=None):
         "max_diffuse_depth": min(_DIFFUSE_EVENTS, settings.max_bounces + 1),
         "caustics": settings.use_caustics,
         "subsurface_method": method,
-        "subsurface_sharing": settings.use_sharing,
+        "subsurface_sharing": settings.use_sharing and not is_denoised,
         "seed": seed_of(scene),
     }
     # An edit leaves what it does not name.
