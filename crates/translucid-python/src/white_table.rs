@@ -95,7 +95,7 @@ impl WhiteTable {
                 py,
                 |stop| {
                     let progress = |count: u64| done.store(count, Ordering::Relaxed);
-                    let control = Control { stop, progress: &progress, deadline: None };
+                    let control = Control { stop, progress: &progress, ..Control::default() };
                     outcome = pool.install(|| match *photons {
                         Photons::Count(seed, count) => table.run(seed, count, &control),
                         Photons::Range(range) => table.run_range(range, &control),
