@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use translucid_reference::walk::{Control, Device, DeviceTally, DeviceWalk};
 
-use super::law::Law;
+use crate::choice::DeviceDescription;
+use crate::law::Law;
 
 /// The shaders, in the order in which they read best.
 const SHADERS: [&str; 6] = [
@@ -32,23 +33,8 @@ const STEPS: (u32, u32) = (64, 4096);
 /// Time that a dispatch is to take: systems kill those that take seconds.
 const DISPATCH_TIME: Duration = Duration::from_millis(40);
 
-/// A device as its system describes it.
-#[derive(Clone, Debug)]
-pub struct DeviceDescription {
-    /// Name, as its driver gives it.
-    pub name: String,
-    /// Kind: "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
-    pub kind: &'static str,
-    /// Interface by which it is reached: "vulkan", "metal" or "dx12".
-    pub backend: String,
-    /// Driver and its version.
-    pub driver: String,
-    /// Reason why it cannot be used; nothing where it can.
-    pub fault: Option<String>,
-}
-
 /// The devices of this machine: none where there is no driver.
-pub fn devices() -> Vec<DeviceDescription> {
+pub(crate) fn devices() -> Vec<DeviceDescription> {
     let describe =
         |adapter: &wgpu::Adapter| DeviceDescription { fault: Gpu::of(adapter).err(), ..description(adapter) };
     adapters().iter().map(describe).collect()
@@ -69,7 +55,14 @@ fn description(adapter: &wgpu::Adapter) -> DeviceDescription {
         wgpu::DeviceType::Other => "other",
     };
     let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
-    DeviceDescription { name: info.name, kind, backend: info.backend.to_string(), driver, fault: None }
+    DeviceDescription {
+        name: info.name,
+        kind,
+        backend: info.backend.to_string(),
+        driver,
+        buffer_bytes: adapter.limits().max_storage_buffer_binding_size,
+        fault: None,
+    }
 }
 
 /// A device that walks photons.
@@ -86,7 +79,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens a device by what the user calls it: `gpu` for the best graphics processor, else a part of a name in [`devices`],
+    /// Opens a device by what the user calls it: `gpu` for the best graphics processor, else a part of a name,
     /// in any case of letters. Only by its name is a device taken that is no graphics processor.
     ///
     /// # Errors

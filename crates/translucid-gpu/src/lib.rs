@@ -16,6 +16,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod choice;
 #[cfg(feature = "device")]
 mod device;
 #[cfg(any(test, feature = "device"))]
@@ -23,5 +24,6 @@ mod law;
 #[cfg(test)]
 mod twin;
 
+pub use choice::{Choice, DeviceDescription, devices};
 #[cfg(feature = "device")]
-pub use device::{DeviceDescription, Gpu, devices};
+pub use device::Gpu;

@@ -65,7 +65,7 @@ fn polynomial(x: f32, coefficients: &[f32]) -> f32 {
 
 fn exponential(word: u32) -> f32 {
     const LOG: [f32; 9] = [
-        0.99999997,
+        0.9999999741,
         -0.49999996,
         0.33334193,
         -0.25001352,
@@ -80,12 +80,12 @@ fn exponential(word: u32) -> f32 {
     let bits = 0x3f80_0000 | ((((odd << zeros) >> 8) | 1) & 0x7f_ffff);
     let above = u32::from(bits > 0x3fb5_04f3);
     let t = f32::from_bits(bits - (above << 23)) - 1.0;
-    (zeros + 1 - above) as f32 * 0.69314718 - t * polynomial(t, &LOG)
+    (zeros + 1 - above) as f32 * std::f32::consts::LN_2 - t * polynomial(t, &LOG)
 }
 
 fn circle(word: u32) -> [f32; 2] {
-    const SIN: [f32; 4] = [0.78539816, -0.08074543, 0.0024900068, -3.595429e-5];
-    const COS: [f32; 4] = [0.99999997, -0.30842425, 0.01584991, -3.1887748e-4];
+    const SIN: [f32; 4] = [std::f32::consts::FRAC_PI_4, -0.0807454347, 0.0024900068, -3.595429e-5];
+    const COS: [f32; 4] = [0.9999999723, -0.30842425, 0.01584991, -3.1887748e-4];
     let t = signed(word << 2);
     let q = t * t;
     let (s, c) = (polynomial(q, &SIN) * t, polynomial(q, &COS));

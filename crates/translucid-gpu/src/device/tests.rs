@@ -30,9 +30,17 @@ fn all_cases() -> Vec<(Parameters, f64)> {
 #[test]
 fn a_device_has_the_bits_of_the_twin() {
     for (parameters, albedo) in all_cases() {
-        let [found, expected] = [gpu() as &dyn Device, &Twin]
-            .map(|device| table(parameters, albedo, 0xfedc_ba98_7654_3210, 20_000, Some(device)));
-        assert_eq!(found, expected, "{parameters:?} on {}", gpu().name());
+        let [found, expected] = [gpu() as &dyn Device, &Twin].map(|device| {
+            table(parameters, albedo, 0xfedc_ba98_7654_3210, translucid_testing::power(400_000), Some(device))
+        });
+        // Tables print long
+        assert!(
+            found == expected,
+            "{parameters:?} on {}: {} {} collisions",
+            gpu().name(),
+            found.mean_collisions(),
+            expected.mean_collisions()
+        );
     }
 }
 
@@ -47,9 +55,9 @@ fn shares_of_work_have_no_part_in_the_bits() {
         let found =
             table(parameters, albedo, 1, if slots == 1 || steps == 1 { 300 } else { 5000 }, Some(&gpu));
         if found.photons() == expected.photons() {
-            assert_eq!(found, expected, "{slots} {group} {steps}");
+            assert!(found == expected, "{slots} {group} {steps}");
         } else {
-            assert_eq!(found, table(parameters, albedo, 1, 300, Some(&Twin)), "{slots} {group} {steps}");
+            assert!(found == table(parameters, albedo, 1, 300, Some(&Twin)), "{slots} {group} {steps}");
         }
     }
 }
@@ -61,15 +69,18 @@ fn ranges_join_and_stops_leave_the_first_photons() {
         let layout = Layout::new(&RADII, 3).unwrap();
         WhiteTable::new(Problem::new(Parameters::default()).unwrap(), layout, 0.99).unwrap()
     };
-    let range =
-        |start: u64, end: u64| PhotonRange { seed: 2, start: (7 << 32) - 500 + start, end: (7 << 32) - 500 + end };
+    let range = |start: u64, end: u64| PhotonRange {
+        seed: 2,
+        start: (7 << 32) - 500 + start,
+        end: (7 << 32) - 500 + end,
+    };
     let control = |device| Control { device: Some(device), ..Control::default() };
     let mut expected = empty();
     expected.run_range(range(0, 2000), &control(&Twin)).unwrap();
     let mut parts = empty();
     parts.run_range(range(1200, 2000), &control(gpu())).unwrap();
     parts.run_range(range(0, 1200), &control(gpu())).unwrap();
-    assert_eq!(parts, expected);
+    assert!(parts == expected);
 
     let (stop, calls) = (AtomicBool::new(false), AtomicBool::new(false));
     let progress = |done: u64| {
@@ -88,7 +99,7 @@ fn ranges_join_and_stops_leave_the_first_photons() {
     assert!(launched > 0 && launched < 1 << 20 && calls.load(Ordering::Relaxed), "{launched}");
     let mut twin = empty();
     twin.run(2, launched, &control(&Twin)).unwrap();
-    assert_eq!(stopped, twin);
+    assert!(stopped == twin);
 }
 
 #[test]

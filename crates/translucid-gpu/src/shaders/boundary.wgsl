@@ -15,16 +15,16 @@ struct Interface {
 
 // Fresnel's reflectance for a cosine in (0, 1]; exactly 1 beyond the critical angle.
 fn reflectance(mu: f32, side: Interface) -> f32 {
-    let squared = fixed(times(times(mu, mu), side.eta_squared) + side.one_minus_eta_squared);
+    let squared = plus(times(times(mu, mu), side.eta_squared), side.one_minus_eta_squared);
     if (squared <= 0.0) {
         return 1.0;
     }
     let refracted = root(min(squared, 1.0));
     let a = times(mu, side.eta);
     let b = times(refracted, side.eta);
-    let perpendicular = times(a - refracted, reciprocal(a + refracted));
-    let parallel = times(b - mu, reciprocal(b + mu));
-    return 0.5 * fixed(times(perpendicular, perpendicular) + times(parallel, parallel));
+    let perpendicular = times(plus(a, -refracted), reciprocal(plus(a, refracted)));
+    let parallel = times(plus(b, -mu), reciprocal(plus(b, mu)));
+    return 0.5 * plus(times(perpendicular, perpendicular), times(parallel, parallel));
 }
 
 fn is_outside(z: f32) -> bool {

@@ -22,7 +22,7 @@ fn sector_of(x: f32, y: f32) -> u32 {
     for (var i = 0u; i < 32u && low < high; i++) {
         let middle = (low + high) / 2u;
         let bound = settings.radii + 2u * middle;
-        let side = times(bitcast<f32>(bounds[bound]), abs(y)) - times(bitcast<f32>(bounds[bound + 1u]), x);
+        let side = plus(times(bitcast<f32>(bounds[bound]), abs(y)), -times(bitcast<f32>(bounds[bound + 1u]), x));
         if (side > 0.0) {
             low = middle + 1u;
         } else {
@@ -33,7 +33,7 @@ fn sector_of(x: f32, y: f32) -> u32 {
 }
 
 fn count_exit(x: f32, y: f32, order: u32, side: u32) {
-    let ring = bounds_below(0u, settings.radii, bitcast<u32>(fixed(times(x, x) + times(y, y))));
+    let ring = bounds_below(0u, settings.radii, bitcast<u32>(plus(times(x, x), times(y, y))));
     let place = (side * (settings.radii + 1u) + ring) * settings.sectors + sector_of(x, y);
     let orders = settings.radii + 2u * (settings.sectors - 1u);
     let cell = 3u * (place * settings.order_bins + bounds_below(orders, settings.order_bins - 1u, order));

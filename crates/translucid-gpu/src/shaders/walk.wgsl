@@ -70,21 +70,21 @@ fn walked(photon: ptr<function, Photon>) -> u32 {
     var u = (*photon).direction;
     if (!is_outside(p.z)) {
         let flight = exponential(words.x);
-        p = vec3f(fixed(p.x + times(flight, u.x)), fixed(p.y + times(flight, u.y)), fixed(p.z + times(flight, u.z)));
+        p = vec3f(plus(p.x, times(flight, u.x)), plus(p.y, times(flight, u.y)), plus(p.z, times(flight, u.z)));
     }
     if (is_outside(p.z)) {
         let upper = p.z < 0.0;
         if (matched || unit(words.y) >= reflectance(abs(u.z), settings.face)) {
-            let beyond = times(select(p.z - settings.thickness, -p.z, upper), reciprocal(abs(u.z)));
-            let x = fixed(p.x - times(beyond, u.x));
-            let y = fixed(p.y - times(beyond, u.y));
+            let beyond = times(select(plus(p.z, -settings.thickness), -p.z, upper), reciprocal(abs(u.z)));
+            let x = plus(p.x, -times(beyond, u.x));
+            let y = plus(p.y, -times(beyond, u.y));
             count_exit(x, y, (*photon).budget - (*photon).left, select(1u, 0u, upper));
             return 1u;
         }
         if (upper) {
             p.z = -p.z;
         } else {
-            p.z = fixed(2.0 * settings.thickness - p.z);
+            p.z = plus(2.0 * settings.thickness, -p.z);
         }
         u.z = -u.z;
     }

@@ -255,8 +255,10 @@ impl WhiteTable {
         if self.machine == machine {
             return Ok(());
         }
-        let [here, there] = [self.machine, machine].map(|machine| machine.name().to_owned());
-        Err(TableError::Differs { what: MACHINE, here, there })
+        let [held, more] = [self.machine, machine].map(Machine::name);
+        Err(TableError::Device(format!(
+            "the photons of the table were walked by a {held}, and those of a {more} are not added to them"
+        )))
     }
 
     /// Counts of the photons besides the cells.
