@@ -1,10 +1,13 @@
 //! `translucid.reference`: walks of photons and their tables.
 
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{
+    PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyUserWarning, PyValueError,
+};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyRange, PyType};
 use translucid_gpu::Choice;
@@ -83,6 +86,11 @@ impl WhiteTable {
         progress: Option<&Any<'_>>,
     ) -> PyResult<()> {
         let choice = Choice::open(device).map_err(PyValueError::new_err)?;
+        if let (None, Some(note)) = (&choice.device, &choice.note) {
+            let text = CString::new(note.as_str())
+                .map_err(|_| PyValueError::new_err("a device's name holds a NUL"))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        }
         let _walking = match self.walking.try_lock() {
             Ok(guard) => guard,
             Err(TryLockError::Poisoned(guard)) => guard.into_inner(),
