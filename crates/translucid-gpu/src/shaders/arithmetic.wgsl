@@ -1,7 +1,7 @@
 // Arithmetic in single precision whose every bit is prescribed.
 //
 // Sums and products of two numbers are rounded alike on all devices. What differs are a product and a sum that a compiler
-// joins to one operation, expressions that it rearranges (Mesa makes a·b + b of (a + 1)·b), and the built-in division, roots
+// joins to one operation, expressions that it rearranges (Mesa makes y of (x + y) − x), and the built-in division, roots
 // and elementary functions. So each sum and product passes through `fixed`, which no compiler can see through, but for those
 // by a power of two, which are exact; and all else is made of sums and products here.
 // `twin/arithmetic.rs` has the same operations.
