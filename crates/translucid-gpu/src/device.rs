@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-use translucid_reference::walk::{Control, Device, DeviceTally, DeviceWalk};
+use translucid_reference::walk::{Device, DeviceTally, DeviceWalk};
 
-use crate::choice::DeviceDescription;
+use crate::description::DeviceDescription;
 use crate::law::Law;
 
 /// The shaders, in the order in which they read best.
@@ -195,15 +195,21 @@ fn none_found(name: &str, adapters: &[wgpu::Adapter]) -> String {
 }
 
 impl Device for Gpu {
-    fn walk(&self, walk: &DeviceWalk, photons: Range<u64>, control: &Control) -> Result<DeviceTally, String> {
+    fn walk(
+        &self,
+        walk: &DeviceWalk,
+        photons: Range<u64>,
+        stops: &dyn Fn() -> bool,
+        progress: &dyn Fn(u64),
+    ) -> Result<DeviceTally, String> {
         let law = Law::new(walk)?;
         let slots = u64::from(self.slots).min(photons.end - photons.start).max(1) as u32;
         let work = Work::new(self, &law, slots)?;
         let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
         let mut first = photons.start;
-        while first < photons.end && !control.stops() {
+        while first < photons.end && !stops() {
             let batch = (photons.end - first).min(BATCH);
-            let launched = work.walk(first, batch as u32, control, &mut tally)?;
+            let launched = work.walk(first, batch as u32, stops, progress, &mut tally)?;
             first += launched;
             if launched < batch {
                 break;
@@ -315,7 +321,8 @@ impl<'a> Work<'a> {
         &self,
         first: u64,
         batch: u32,
-        control: &Control,
+        stops: &dyn Fn() -> bool,
+        progress: &dyn Fn(u64),
         tally: &mut DeviceTally,
     ) -> Result<u64, String> {
         let gpu = self.gpu;
@@ -329,8 +336,10 @@ impl<'a> Work<'a> {
         let counters = loop {
             let start = Instant::now();
             let counters = self.step(first, photons, steps)?;
-            (control.progress)(tally.launched + u64::from(counters.ended));
-            photons = photons.min(if control.stops() { counters.asked } else { photons });
+            progress(tally.launched + u64::from(counters.ended));
+            if stops() {
+                photons = photons.min(counters.asked);
+            }
             if counters.ended == photons {
                 break counters;
             }

@@ -17,6 +17,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod choice;
+mod description;
 #[cfg(feature = "device")]
 mod device;
 #[cfg(any(test, feature = "device"))]
@@ -24,6 +25,7 @@ mod law;
 #[cfg(test)]
 mod twin;
 
-pub use choice::{Choice, DeviceDescription, devices};
+pub use choice::{Choice, devices};
+pub use description::DeviceDescription;
 #[cfg(feature = "device")]
 pub use device::Gpu;

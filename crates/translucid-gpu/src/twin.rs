@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use translucid_reference::walk::{Control, Device, DeviceTally, DeviceWalk};
+use translucid_reference::walk::{Device, DeviceTally, DeviceWalk};
 
 use super::law::{
     self, COSINE_MATCHED, COSINE_RARER, HENYEY_GREENSTEIN, ISOTROPIC, Interface, Law, PENCIL, UNIFORM_COSINE,
@@ -15,7 +15,13 @@ use super::law::{
 pub(crate) struct Twin;
 
 impl Device for Twin {
-    fn walk(&self, walk: &DeviceWalk, photons: Range<u64>, _: &Control) -> Result<DeviceTally, String> {
+    fn walk(
+        &self,
+        walk: &DeviceWalk,
+        photons: Range<u64>,
+        _: &dyn Fn() -> bool,
+        _: &dyn Fn(u64),
+    ) -> Result<DeviceTally, String> {
         let law = Law::new(walk)?;
         let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
         for index in photons {

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use translucid_reference::walk::{Layout, Parameters, PhotonRange, Problem, WhiteTable};
+use translucid_reference::walk::{Control, Layout, Parameters, PhotonRange, Problem, WhiteTable};
 
 use super::*;
 use crate::twin::Twin;

@@ -4,19 +4,25 @@ use std::ops::Range;
 
 use super::layout::Layout;
 use super::problem::Problem;
-use super::run::Control;
 
-/// A machine that walks photons in the processor's place, see [`Control::device`].
+/// A machine that walks photons in the processor's place, see [`Control::device`](super::Control::device).
 ///
 /// It follows the same law with other roundings and other random numbers: its photons are as good, and not the same. So
 /// photons of devices and of the processor are not added up in one table, while those of two devices are: a photon's walk
 /// is to be a function of seed and index on all of them, to the bit.
 pub trait Device: Sync {
-    /// Walks photons of a seed, in the order of their indices; the first ones where it is stopped.
+    /// Walks photons of a seed, in the order of their indices; the first ones where `stops` becomes true, which is asked
+    /// some times a second, as `progress` is told how many have ended.
     ///
     /// # Errors
     /// It cannot, for a reason that the user is told.
-    fn walk(&self, walk: &DeviceWalk, photons: Range<u64>, control: &Control) -> Result<DeviceTally, String>;
+    fn walk(
+        &self,
+        walk: &DeviceWalk,
+        photons: Range<u64>,
+        stops: &dyn Fn() -> bool,
+        progress: &dyn Fn(u64),
+    ) -> Result<DeviceTally, String>;
 }
 
 /// A walk for a device.

@@ -37,7 +37,7 @@ impl Default for Control<'_> {
 
 impl Control<'_> {
     /// Returns whether the run is to end now.
-    pub fn stops(&self) -> bool {
+    pub(crate) fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 }
@@ -125,14 +125,16 @@ impl WhiteTable {
                 break;
             }
             let before = photons_done;
-            let control = Control { progress: &|done| (control.progress)(before + done), ..*control };
             let walk = DeviceWalk {
                 problem: self.problem(),
                 layout: self.layout(),
                 reference_albedo: self.reference_albedo(),
                 seed,
             };
-            let tally = device.walk(&walk, piece.clone(), &control).map_err(TableError::Device)?;
+            let progress = |done| (control.progress)(before + done);
+            let tally = device
+                .walk(&walk, piece.clone(), &|| control.stops(), &progress)
+                .map_err(TableError::Device)?;
             let DeviceTally { launched, absorbed, collisions, exits } = tally;
             photons_done += launched;
             let counts = PhotonCounts { launched, absorbed, collisions };
