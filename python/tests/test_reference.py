@@ -5,6 +5,7 @@ import pickle
 import signal
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -92,6 +93,21 @@ def test_walk_agrees_with_the_exact_solution():
         value, error = found.enclosed([0.1, 1.0, 3.0], single_scattering_albedo=alpha)
         truth = exact_enclosed([0.1, 1.0, 3.0], single_scattering_albedo=alpha, configuration="searchlight")[0]
         assert (np.abs(value - truth) < 4.5 * error).all()
+
+
+def test_walk_on_a_device():
+    assert table(1000, device="cpu") == table(1000)
+    with pytest.raises(ValueError, match="graphics processors|there is no device"):
+        table(10, device="nonesuch")
+    with pytest.raises(ValueError, match="graphics processors|there is no device"):
+        table(10).run(10, device="nonesuch")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = table(1000, device="auto")
+    # Without a graphics processor, or in a build that knows none
+    if caught:
+        assert "the processor walks: " in str(caught[0].message)
+        assert found == table(1000)
 
 
 def test_tables_depend_on_their_photons_alone():

@@ -63,6 +63,7 @@ class WhiteTable:
         *,
         seed: int = 0,
         threads: int | None = None,
+        device: str = "cpu",
         progress: _Progress | None = None,
     ) -> None: ...
     def eval(
@@ -231,5 +232,6 @@ def walk(
     sectors: int = 1,
     seed: int = 0,
     threads: int | None = None,
+    device: str = "cpu",
     progress: _Progress | None = None,
 ) -> WhiteTable: ...

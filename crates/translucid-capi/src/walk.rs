@@ -451,7 +451,7 @@ impl Shared {
         let mut table = (*self.get()).clone();
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
         let count = |count: u64| done.store(count, Ordering::Relaxed);
-        let control = Control { stop: &stop, progress: &count, deadline: None };
+        let control = Control { stop: &stop, progress: &count, ..Control::default() };
         let outcome = std::thread::scope(|scope| {
             let (send, ended) = channel::<()>();
             let table = &mut table;

@@ -8,6 +8,7 @@ mod command_line;
 mod compare;
 mod completions;
 mod convert;
+mod devices;
 mod export;
 mod failure;
 mod files;
@@ -77,6 +78,8 @@ enum Verb {
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
+    /// Lists the processors that can walk photons for `reference --device`
+    Devices,
     Completions(completions::CompletionsArguments),
 }
 
@@ -254,6 +257,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Skin(arguments) => skin::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
+        Verb::Devices => devices::run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),
     }
 }

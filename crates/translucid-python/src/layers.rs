@@ -534,7 +534,7 @@ pub(crate) fn layers_walk<'py>(
             py,
             |stop| {
                 let count = |count: u64| done.store(count, Ordering::Relaxed);
-                let control = Control { stop, progress: &count, deadline: None };
+                let control = Control { stop, progress: &count, ..Control::default() };
                 outcome = Some(pool.install(|| layers.walk(incidence, grid, photons, seed, &control)));
             },
             |_| report(progress, done.load(Ordering::Relaxed), photons),

@@ -1,16 +1,20 @@
 //! `translucid.reference`: walks of photons and their tables.
 
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{
+    PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyUserWarning, PyValueError,
+};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyRange, PyType};
+use translucid_gpu::Choice;
 use translucid_profile::ParameterError;
 use translucid_reference::walk::{
-    AtAlbedo, Control, Layout, Parameters, PhaseFunction, PilotError, Problem, Region, Side, TableError,
-    WhiteTable as Table,
+    AtAlbedo, Control, Device, Layout, Parameters, PhaseFunction, PilotError, Problem, Region, Side,
+    TableError, WhiteTable as Table,
 };
 use translucid_reference::{Estimate, Incidence};
 
@@ -78,8 +82,15 @@ impl WhiteTable {
         py: Python<'_>,
         photons: &Photons,
         threads: Option<usize>,
+        device: &str,
         progress: Option<&Any<'_>>,
     ) -> PyResult<()> {
+        let choice = Choice::open(device).map_err(PyValueError::new_err)?;
+        if let (None, Some(note)) = (&choice.device, &choice.note) {
+            let text = CString::new(note.as_str())
+                .map_err(|_| PyValueError::new_err("a device's name holds a NUL"))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        }
         let _walking = match self.walking.try_lock() {
             Ok(guard) => guard,
             Err(TryLockError::Poisoned(guard)) => guard.into_inner(),
@@ -95,7 +106,8 @@ impl WhiteTable {
                 py,
                 |stop| {
                     let progress = |count: u64| done.store(count, Ordering::Relaxed);
-                    let control = Control { stop, progress: &progress, deadline: None };
+                    let device = choice.device.as_deref().map(|device| device as &dyn Device);
+                    let control = Control { stop, progress: &progress, device, ..Control::default() };
                     outcome = pool.install(|| match *photons {
                         Photons::Count(seed, count) => table.run(seed, count, &control),
                         Photons::Range(range) => table.run_range(range, &control),
@@ -153,6 +165,10 @@ fn table_error(error: TableError) -> PyErr {
 ///     Seed of the random numbers, in [0, 2**64).
 /// threads : int, optional
 ///     Number of threads; by default one per processor. The table does not depend on it.
+/// device : str, default "cpu"
+///     Who walks: "cpu", "gpu" for the best graphics processor, "auto" for that or else the CPU, or a part of a name that
+///     `translucid devices` lists. All graphics processors walk the same photons, and the CPU others, which are not added to
+///     them in one table.
 /// progress : callable, bool or "tqdm", optional
 ///     Called now and then with the photons done and the photons in all, and an exception ends the walk; True for a bar.
 ///
@@ -178,7 +194,7 @@ fn table_error(error: TableError) -> PyErr {
 /// >>> bool(abs(value - 2.1217649785e-2) < 4 * error)
 /// True
 #[pyfunction]
-#[pyo3(signature = (photons=None, *, radii=None, edges=None, surface_albedo=None, single_scattering_albedo=None, reference_albedo=None, configuration=None, g=None, phase_function="henyey-greenstein", eta=None, thickness=None, spot_radius=None, incidence_angle=None, sectors=1, seed=0, threads=None, progress=None))]
+#[pyo3(signature = (photons=None, *, radii=None, edges=None, surface_albedo=None, single_scattering_albedo=None, reference_albedo=None, configuration=None, g=None, phase_function="henyey-greenstein", eta=None, thickness=None, spot_radius=None, incidence_angle=None, sectors=1, seed=0, threads=None, device="cpu", progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn walk(
     py: Python<'_>,
@@ -198,6 +214,7 @@ pub(crate) fn walk(
     sectors: u32,
     seed: u64,
     threads: Option<usize>,
+    device: &str,
     progress: Option<&Any<'_>>,
 ) -> PyResult<WhiteTable> {
     // Geometry, boundary and light
@@ -251,7 +268,7 @@ pub(crate) fn walk(
     };
 
     let table = WhiteTable::new(Table::new(problem, layout, reference_albedo).map_err(names::value_error)?);
-    table.extend(py, &photons, threads, progress)?;
+    table.extend(py, &photons, threads, device, progress)?;
     Ok(table)
 }
 
@@ -387,23 +404,26 @@ impl WhiteTable {
     ///     Seed of the random numbers.
     /// threads : int, optional
     ///     Number of threads; by default one per processor.
+    /// device : str, default "cpu"
+    ///     Who walks, as in `walk`.
     /// progress : callable, bool or "tqdm", optional
     ///     Called now and then with the photons done and the photons in all; True for a bar.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If the table holds one of a range already.
-    #[pyo3(signature = (photons, *, seed=0, threads=None, progress=None))]
+    ///     If the table holds one of a range already, or photons that another kind of machine walked.
+    #[pyo3(signature = (photons, *, seed=0, threads=None, device="cpu", progress=None))]
     fn run(
         &self,
         py: Python<'_>,
         photons: &Any<'_>,
         seed: u64,
         threads: Option<usize>,
+        device: &str,
         progress: Option<&Any<'_>>,
     ) -> PyResult<()> {
-        self.extend(py, &Photons::extract(photons, seed)?, threads, progress)
+        self.extend(py, &Photons::extract(photons, seed)?, threads, device, progress)
     }
 
     /// Reflectance R(r), or transmittance per area, with its standard error.

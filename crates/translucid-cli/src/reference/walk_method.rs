@@ -6,8 +6,9 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use translucid_gpu::Choice;
 use translucid_reference::walk::{
-    Control, Forecast, Goal, Layout, PhotonRange, PilotError, Problem, Side, TableError, WhiteTable,
+    Control, Device, Forecast, Goal, Layout, PhotonRange, PilotError, Problem, Side, TableError, WhiteTable,
 };
 
 use super::photons::Photons;
@@ -44,6 +45,10 @@ pub(super) struct WalkArguments {
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
+    /// Who walks: cpu, gpu for the best graphics processor, auto for that or else the cpu, or a part of a name that `translucid
+    /// devices` lists [default: cpu]
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
     /// Number of threads, at most 1024 [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
@@ -89,6 +94,7 @@ impl WalkArguments {
             ("--resume", self.resume),
             ("--merge", !self.merge.is_empty()),
             ("--seed", self.seed.is_some()),
+            ("--device", self.device.is_some()),
         ]
         .into_iter()
     }
@@ -155,6 +161,7 @@ struct WalkWork<'a> {
     /// Radii in mean free paths.
     radii: Vec<f64>,
     albedos: Albedos,
+    choice: Choice,
 }
 
 /// The albedos of the printed table.
@@ -163,6 +170,10 @@ enum Albedos {
     Known(Vec<(Option<f64>, f64)>),
     /// Surface albedos, the rest to be read off the walk.
     Surface(Vec<f64>),
+}
+
+fn device(choice: &Choice) -> Option<&dyn Device> {
+    choice.device.as_deref().map(|device| device as &dyn Device)
 }
 
 impl Albedos {
@@ -175,6 +186,13 @@ impl Albedos {
 
 impl<'a> WalkWork<'a> {
     fn start(arguments: &'a ReferenceArguments, problem: &Problem) -> Result<Self, Failure> {
+        let choice = Choice::open(arguments.walk.device.as_deref().unwrap_or("cpu")).map_err(|reason| {
+            Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there")
+        })?;
+        if let Some(note) = &choice.note {
+            messages::line(note);
+        }
+
         // Radii and bins
         let count = arguments.radii.count();
         if count > MOST_RADII {
@@ -212,7 +230,7 @@ impl<'a> WalkWork<'a> {
                 WhiteTable::new(*problem, layout, albedo).map_err(|error| arguments.name_option(error))?
             }
         };
-        let mut work = Self { arguments, table, radii, albedos };
+        let mut work = Self { arguments, table, radii, albedos, choice };
         for path in merge {
             work.table
                 .merge(&load(path)?)
@@ -293,6 +311,7 @@ impl<'a> WalkWork<'a> {
                 stop: &interrupt::STOP,
                 progress: &|done| meter.update(before + done, wanted),
                 deadline: Some(Instant::now() + SAVE_INTERVAL),
+                device: device(&self.choice),
             };
             walked += match photons {
                 Photons::Count(_) => self.table.run(seed, wanted - walked, &control),
@@ -329,6 +348,7 @@ impl<'a> WalkWork<'a> {
             stop: &interrupt::STOP,
             progress: &|done| meter.update(done, total.load(Ordering::Relaxed)),
             deadline: None,
+            device: device(&self.choice),
         };
         let goal = Goal { relative_error: error, photons: u64::MAX >> 1 };
         let seed = arguments.walk.seed();

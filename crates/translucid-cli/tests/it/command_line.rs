@@ -3,7 +3,7 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 13] = [
+const VERBS: [&str; 14] = [
     "render",
     "profile",
     "sample",
@@ -16,6 +16,7 @@ const VERBS: [&str; 13] = [
     "skin",
     "view",
     "models",
+    "devices",
     "completions",
 ];
 

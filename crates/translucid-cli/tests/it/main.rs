@@ -6,6 +6,7 @@ mod command_line;
 mod common;
 mod compare;
 mod convert;
+mod devices;
 mod export;
 mod fit;
 mod gallery;

@@ -73,7 +73,7 @@ impl Walk {
             let known = before.fetch_max(done, std::sync::atomic::Ordering::Relaxed);
             progress.add(done.saturating_sub(known));
         };
-        let control = Control { stop: progress.stop(), progress: &report, deadline: None };
+        let control = Control { stop: progress.stop(), progress: &report, ..Control::default() };
         let walked = table.run(seed, photons, &control);
         progress.check()?;
         Ok(walked.is_ok_and(|walked| walked == photons).then(|| Self { table, radii: radii(max_radius) }))

@@ -2,6 +2,7 @@
 
 mod at_albedo;
 pub(crate) mod boundary;
+mod device;
 pub(crate) mod edge_search;
 mod exit_buffer;
 pub(crate) mod instruction_sets;
@@ -29,6 +30,7 @@ mod weights;
 mod white_table;
 
 pub use at_albedo::{AtAlbedo, AtRadius};
+pub use device::{Device, DeviceTally, DeviceWalk};
 #[cfg(test)]
 pub(crate) use instruction_sets::narrower_levels;
 pub use layout::{Layout, Region};

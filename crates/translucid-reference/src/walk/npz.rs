@@ -107,6 +107,11 @@ impl Reader {
         Ok(Self { path: path.to_owned(), archive })
     }
 
+    /// Returns whether there is a member.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.archive.index_for_name(&format!("{name}.npy")).is_some()
+    }
+
     /// Error that explains what is wrong with a member.
     pub(crate) fn error(&self, member: &str, problem: impl Into<String>) -> TableError {
         TableError::File { path: self.path.clone(), member: format!("{member}.npy"), problem: problem.into() }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::device::{Device, DeviceTally, DeviceWalk, Machine};
 use super::orders::Cell;
 use super::photon_exit::{PhotonCounts, PhotonExit};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
@@ -22,13 +23,15 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(u64) + Sync),
     /// Time to stop at in any case, give or take a fraction of a second.
     pub deadline: Option<Instant>,
+    /// Machine that walks the photons in the processor's place.
+    pub device: Option<&'a dyn Device>,
 }
 
 impl Default for Control<'_> {
     /// A run that nobody watches, to its end.
     fn default() -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
-        Self { stop: &NEVER, progress: &|_| {}, deadline: None }
+        Self { stop: &NEVER, progress: &|_| {}, deadline: None, device: None }
     }
 }
 
@@ -82,6 +85,10 @@ impl WhiteTable {
         if self.photons().checked_add(photons).is_none() {
             return Err(TableError::TooMany);
         }
+        self.require_machine(if control.device.is_some() { Machine::Device } else { Machine::Processor })?;
+        if let Some(device) = control.device {
+            return self.run_on_device(device, seed, pieces, control);
+        }
         let threads = photons.div_ceil(SMALLEST_PIECE).clamp(1, rayon::current_num_threads() as u64);
         let tallies = (TALLY_BYTES / size_of_val(self.all_cells())).clamp(1, threads as usize);
         let run = Run {
@@ -103,6 +110,38 @@ impl WhiteTable {
         let Run { tallies, done, photons_done, .. } = run;
         self.take_in(seed, &into_inner(done), tallies.into_iter().map(into_inner).collect())?;
         Ok(photons_done.into_inner())
+    }
+
+    fn run_on_device(
+        &mut self,
+        device: &dyn Device,
+        seed: u64,
+        pieces: Pieces,
+        control: &Control,
+    ) -> Result<u64, TableError> {
+        let mut photons_done = 0;
+        for piece in pieces.ranges.into_iter().rev() {
+            if control.stops() {
+                break;
+            }
+            let before = photons_done;
+            let walk = DeviceWalk {
+                problem: self.problem(),
+                layout: self.layout(),
+                reference_albedo: self.reference_albedo(),
+                seed,
+            };
+            let progress = |done| (control.progress)(before + done);
+            let tally = device
+                .walk(&walk, piece.clone(), &|| control.stops(), &progress)
+                .map_err(TableError::Device)?;
+            let DeviceTally { launched, absorbed, collisions, exits } = tally;
+            photons_done += launched;
+            let counts = PhotonCounts { launched, absorbed, collisions };
+            let cells = exits.into_iter().map(|(count, order_sum)| Cell { count, order_sum }).collect();
+            self.take_in(seed, &[(piece.start..piece.start + launched, counts)], vec![cells])?;
+        }
+        Ok(photons_done)
     }
 }
 
@@ -314,7 +353,7 @@ mod tests {
                 }
             };
             let before = table.photons();
-            let control = Control { stop: &stop, progress: &progress, deadline: None };
+            let control = Control { stop: &stop, progress: &progress, ..Control::default() };
             let done = on_threads(3, || table.run(3, 400_000 - before, &control)).unwrap();
             assert_eq!(table.photons(), before + done);
             let held: u64 = table.photon_ranges().iter().map(PhotonRange::len).sum();
@@ -344,7 +383,8 @@ mod tests {
                         Instant::now()
                     });
                     let progress = |done: u64| has_photons.store(done > 0, Ordering::Relaxed);
-                    let control = Control { stop: &stop, deadline, progress: &progress };
+                    let control =
+                        Control { stop: &stop, deadline, progress: &progress, ..Control::default() };
                     // On threads of its own: those of all tests may be busy until the deadline is over
                     let done = on_threads(2, || table.run(1, u64::MAX / 2, &control)).unwrap();
                     assert_eq!(done, table.photons());
@@ -374,7 +414,7 @@ mod tests {
                     Instant::now()
                 };
                 let progress = |_| has_ended.send(()).unwrap_or(());
-                let control = Control { stop, progress: &progress, deadline: None };
+                let control = Control { stop, progress: &progress, ..Control::default() };
                 let mut table = empty(albedo);
                 std::thread::scope(|scope| {
                     let asked = scope.spawn(stop_within_a_piece);

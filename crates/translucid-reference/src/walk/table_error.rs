@@ -25,6 +25,8 @@ pub enum TableError {
     Repeated(PhotonRange),
     /// A sum of photons or orders is too large for 64 bits, or a seed has no more photons.
     TooMany,
+    /// A device cannot walk, for the reason given.
+    Device(String),
     /// A file cannot be read.
     Unreadable {
         /// Path of the file.
@@ -58,6 +60,7 @@ impl fmt::Display for TableError {
             }
             Self::Repeated(range) => write!(f, "{range} would count twice"),
             Self::TooMany => write!(f, "the numbers of photons do not fit in 64 bits"),
+            Self::Device(reason) => reason.fmt(f),
             Self::Unreadable { path, source } => write!(f, "cannot read {}: {source}", path.display()),
             Self::File { path, member, problem } if member.is_empty() => {
                 write!(f, "{}: {problem}", path.display())

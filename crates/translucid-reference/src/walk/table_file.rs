@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+use super::device::Machine;
 use super::layout::Layout;
 use super::npz::{Reader, Writer, expect_shape};
 use super::orders::{Cell, OrderBins};
@@ -19,8 +20,9 @@ const VERSION: u64 = 1;
 /// Length of the longest file that is read: two faces of most entries, and 16 MiB for all else.
 const LONGEST: u64 = 2 * 16 * Layout::MOST_ENTRIES as u64 + (16 << 20);
 /// Names of all members.
-const MEMBERS: [&str; 17] = [
+const MEMBERS: [&str; 18] = [
     "version",
+    "machine",
     "phase_function",
     "g",
     "eta",
@@ -42,6 +44,7 @@ const HENYEY_GREENSTEIN: &str = "henyey-greenstein";
 const RAYLEIGH: &str = "rayleigh";
 const PENCIL: &str = "pencil";
 const COSINE: &str = "cosine";
+const MACHINES: [Machine; 2] = [Machine::Processor, Machine::Device];
 const UNIFORM_COSINE: &str = "uniform-cosine";
 
 impl WhiteTable {
@@ -100,7 +103,13 @@ impl WhiteTable {
         let (ranges, counts) = read_photons(&mut reader)?;
         let cells = read_cells(&mut reader, &problem, &layout)?;
         check_sums(&reader, &counts, &cells)?;
+        let machine = match reader.has("machine") {
+            true => reader.text("machine", &MACHINES.map(Machine::name))?,
+            false => Machine::default().name(),
+        };
+        let machine = MACHINES.into_iter().find(|known| known.name() == machine).unwrap_or_default();
         Self::with_contents(problem, layout, reference_albedo, ranges, counts, cells)
+            .map(|table| table.with_machine(machine))
             .map_err(|error| reader.error("reference_albedo", error.to_string()))
     }
 
@@ -118,6 +127,10 @@ impl WhiteTable {
             Incidence::UniformCosine => (UNIFORM_COSINE, 1.0),
         };
         out.count("version", VERSION)?;
+        // Left out in tables that have been written since before there were devices
+        if self.machine() != Machine::Processor {
+            out.text("machine", self.machine().name())?;
+        }
         out.text("phase_function", phase_name)?;
         out.number("g", g)?;
         out.number("eta", eta)?;

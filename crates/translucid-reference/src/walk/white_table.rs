@@ -5,15 +5,20 @@ use std::ops::Range;
 
 use translucid_profile::{ParameterError, require};
 
+use super::device::Machine;
 use super::layout::{Layout, Region};
 use super::orders::Cell;
 use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::problem::Problem;
+use super::table_error::TableError;
 use super::weights::{Weighed, Weights};
 use crate::Estimate;
 
 mod merging;
+
+/// What tables of different machines differ in.
+const MACHINE: &str = "the kind of machine that walked";
 
 /// Photons that left a medium, counted over place and order of scattering at a reference albedo α_ref.
 ///
@@ -47,6 +52,7 @@ pub struct WhiteTable {
     problem: Problem,
     layout: Layout,
     reference_albedo: f64,
+    machine: Machine,
     ranges: PhotonRanges,
     counts: PhotonCounts,
     /// Cells by face, place and order bin, the last varying fastest.
@@ -82,7 +88,7 @@ impl WhiteTable {
     ) -> Result<Self, ParameterError> {
         let is_allowed = reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO;
         require(is_allowed, "reference_albedo", reference_albedo, "in (0, 0.999999]")?;
-        Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
+        Ok(Self { problem, layout, reference_albedo, machine: Machine::default(), ranges, counts, cells })
     }
 
     /// Medium and light of the walk.
@@ -216,11 +222,12 @@ impl WhiteTable {
 /// Without the cells, of which there may be millions.
 impl fmt::Debug for WhiteTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { problem, layout, reference_albedo, ranges, counts, .. } = self;
+        let Self { problem, layout, reference_albedo, machine, ranges, counts, .. } = self;
         f.debug_struct("WhiteTable")
             .field("problem", problem)
             .field("layout", layout)
             .field("reference_albedo", reference_albedo)
+            .field("machine", machine)
             .field("ranges", ranges)
             .field("counts", counts)
             .finish_non_exhaustive()
@@ -229,6 +236,31 @@ impl fmt::Debug for WhiteTable {
 
 /// For runs and files.
 impl WhiteTable {
+    /// Kind of machine that walked the photons.
+    pub(crate) fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// States which kind of machine walked the photons.
+    pub(crate) fn with_machine(mut self, machine: Machine) -> Self {
+        self.machine = machine;
+        self
+    }
+
+    /// Refuses photons of another kind of machine beside those that the table holds.
+    pub(crate) fn require_machine(&mut self, machine: Machine) -> Result<(), TableError> {
+        if self.photons() == 0 {
+            self.machine = machine;
+        }
+        if self.machine == machine {
+            return Ok(());
+        }
+        let [held, more] = [self.machine, machine].map(Machine::name);
+        Err(TableError::Device(format!(
+            "the photons of the table were walked by a {held}, and those of a {more} are not added to them"
+        )))
+    }
+
     /// Counts of the photons besides the cells.
     pub(crate) fn counts(&self) -> &PhotonCounts {
         &self.counts

@@ -7,7 +7,7 @@ use super::super::photon_exit::PhotonCounts;
 use super::super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::super::problem::Parameters;
 use super::super::table_error::TableError;
-use super::WhiteTable;
+use super::{MACHINE, WhiteTable};
 
 impl WhiteTable {
     /// Adds the photons of another table, exactly.
@@ -40,6 +40,7 @@ impl WhiteTable {
             ("thickness", thickness.to_string()),
             ("spot radius", spot_radius.to_string()),
             ("reference albedo", self.reference_albedo.to_string()),
+            (MACHINE, self.machine.name().to_owned()),
             ("the number of radii", layout.radii().len().to_string()),
             ("the number of sectors", layout.sectors().to_string()),
             ("the number of bins of orders of scattering", bins.len().to_string()),

@@ -1,0 +1,68 @@
+//! What the user calls a device.
+
+use translucid_reference::walk::Device;
+
+use crate::description::DeviceDescription;
+
+/// Who is to walk photons.
+#[derive(Default)]
+pub struct Choice {
+    /// A device; none for the processor.
+    pub device: Option<Box<dyn Device + Send>>,
+    /// A line for the user, who left the choice to us.
+    pub note: Option<String>,
+}
+
+impl Choice {
+    /// Opens what a name means: `cpu` the processor; `gpu` the best graphics processor; `auto` that, or the processor where
+    /// there is none; else a device by a part of its name, in any case of letters.
+    ///
+    /// # Errors
+    /// There is no such device, it cannot be used, or the program was built without devices; the message says what there is.
+    pub fn open(name: &str) -> Result<Self, String> {
+        match name {
+            "cpu" => Ok(Self::default()),
+            "auto" => Ok(match open_device("gpu") {
+                Ok((device, name)) => {
+                    Self { device: Some(device), note: Some(format!("the device is {name}")) }
+                }
+                Err(reason) => Self { device: None, note: Some(format!("the processor walks: {reason}")) },
+            }),
+            _ => open_device(name).map(|(device, _)| Self { device: Some(device), note: None }),
+        }
+    }
+}
+
+/// Why there are no devices in a program that was built without the feature `device`.
+#[cfg(not(feature = "device"))]
+const WITHOUT: &str = "this build of translucid knows no graphics processors: published programs do, and those built with `--features gpu`";
+
+#[cfg(feature = "device")]
+fn open_device(name: &str) -> Result<(Box<dyn Device + Send>, String), String> {
+    let gpu = crate::device::Gpu::open(name)?;
+    let name = gpu.name().to_owned();
+    Ok((Box::new(gpu), name))
+}
+
+#[cfg(not(feature = "device"))]
+fn open_device(_: &str) -> Result<(Box<dyn Device + Send>, String), String> {
+    Err(WITHOUT.to_owned())
+}
+
+/// The devices of this machine: none where there is no driver.
+///
+/// # Errors
+/// The program was built without devices.
+#[cfg(feature = "device")]
+pub fn devices() -> Result<Vec<DeviceDescription>, String> {
+    Ok(crate::device::devices())
+}
+
+/// The devices of this machine: none where there is no driver.
+///
+/// # Errors
+/// The program was built without devices.
+#[cfg(not(feature = "device"))]
+pub fn devices() -> Result<Vec<DeviceDescription>, String> {
+    Err(WITHOUT.to_owned())
+}

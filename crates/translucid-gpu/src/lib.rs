@@ -1,0 +1,31 @@
+//! The Monte Carlo walk on graphics processors.
+//!
+//! The white walk of [`translucid_reference::walk`] through half spaces and slabs, in WGSL: with the feature `device` on every
+//! GPU that wgpu knows (Vulkan, Metal, DirectX 12).
+//!
+//! *The same bits on every device.* A photon's walk is a function of seed and index, in arithmetic of which each bit is
+//! prescribed (`shaders/arithmetic.wgsl`), and what a table counts are whole numbers: neither the device, nor how many
+//! photons walk at a time, nor where a run was cut has a part in the result. A twin in Rust states what the bits are; tests
+//! hold it against the exact solution on any machine, and a device against the twin.
+//!
+//! *What it refuses:* slabs thinner than 0.01 mean free paths with a reflecting boundary, |g| above 0.9999, and radii that
+//! single precision does not tell apart.
+//!
+//! # Out of scope
+//! The meaning of a table (`translucid-reference`), pictures.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod choice;
+mod description;
+#[cfg(feature = "device")]
+mod device;
+#[cfg(any(test, feature = "device"))]
+mod law;
+#[cfg(test)]
+mod twin;
+
+pub use choice::{Choice, devices};
+pub use description::DeviceDescription;
+#[cfg(feature = "device")]
+pub use device::Gpu;
