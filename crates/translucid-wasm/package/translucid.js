@@ -11,7 +11,7 @@ export class TranslucidError extends Error {
 }
 
 /** Loads the WebAssembly module. */
-export default function init(source = new URL("translucid.wasm", import.meta.url)) {
+export default function init(source = new URL("./translucid.wasm", import.meta.url)) {
     loading ??= load(source).then(
         (loaded) => (module = loaded),
         (error) => {
