@@ -13,6 +13,7 @@ use crate::error::ExportError;
 use crate::formula::formulas;
 use crate::function::{Function, functions};
 use crate::header;
+#[cfg(not(target_family = "wasm"))]
 use crate::image;
 use crate::inversion::Inversion;
 use crate::kernel::Kernel;
@@ -111,7 +112,12 @@ impl Export<'_> {
                 let head = self.head(&functions, Language::Osl, Language::C);
                 Ok(materialx::document(&head, self.command, &definitions).into_bytes())
             }
+            #[cfg(not(target_family = "wasm"))]
             Target::Image(format) => image::encode(&self.curvature_table()?, format),
+            #[cfg(target_family = "wasm")]
+            Target::Image(format) => {
+                Err(ExportError::new("to", format.name(), "a text: WebAssembly makes no images"))
+            }
         }
     }
 

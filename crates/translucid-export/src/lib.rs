@@ -11,7 +11,7 @@
 //! Lengths are in any one unit that the caller keeps to.
 //!
 //! # Out of scope
-//! Files: an export is bytes. Scenes, pictures.
+//! Files: an export is bytes. Scenes, pictures. In WebAssembly images, too.
 //!
 //! ```
 //! use translucid_export::{Export, Language, Sizes, Subject, Target};
@@ -42,7 +42,9 @@ mod export;
 mod formula;
 mod function;
 mod header;
+#[cfg(not(target_family = "wasm"))]
 mod image;
+mod image_format;
 mod inversion;
 mod kernel;
 mod language;
@@ -60,7 +62,7 @@ pub use curvature_table::CurvatureTable;
 pub use error::ExportError;
 pub use export::{Export, Sizes};
 pub use function::{Function, functions};
-pub use image::ImageFormat;
+pub use image_format::ImageFormat;
 pub use language::Language;
 pub use material::Material;
 pub use subject::Subject;

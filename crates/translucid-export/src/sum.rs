@@ -9,6 +9,9 @@ use translucid_profile::{Model, ParameterError, Profile, SumOfGaussians};
 
 use crate::number::literal;
 
+/// Weights below count as none: single precision rounds them away.
+const LEAST_WEIGHT: f64 = 1e-9;
+
 /// Terms of a sum: what its functions are called after, and what the text calls them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Terms {
@@ -62,7 +65,16 @@ fn fitted<F: Family>(profile: &dyn Profile, terms: Terms) -> Result<Mixture<F>, 
     }
     // There are as many fits as terms
     let last = fit::<F>(profile, terms.count())?.into_iter().last();
-    last.map(|fit| fit.mixture).ok_or(ParameterError::new("terms", 0.0, "at least 1"))
+    let mixture = last.ok_or(ParameterError::new("terms", 0.0, "at least 1"))?.mixture;
+    // A fit may leave terms without light, at any scale, also at one that no shader has: they go to the heaviest
+    let (light, dark): (Vec<_>, Vec<_>) = mixture.terms().partition(|term| term.0 > LEAST_WEIGHT);
+    if dark.is_empty() {
+        return Ok(mixture);
+    }
+    let heaviest =
+        light.iter().fold((0.0, 0.0), |most: (f64, f64), term| if term.0 > most.0 { *term } else { most });
+    let dark = dark.iter().map(|_| (0.0, heaviest.1));
+    Mixture::new(mixture.surface_albedo(), &dark.chain(light).collect::<Vec<_>>())
 }
 
 impl Sum {
@@ -139,6 +151,22 @@ fn {function}(channel: f32) -> {structure} {{
 mod tests {
     use super::*;
     use translucid_profile::{Appearance, Configuration, Parameterization};
+
+    /// The fit to quantized diffusion leaves terms of skin without light at 1e-168.
+    #[test]
+    fn terms_without_light_have_scales_of_others() {
+        let profiles = [0.6253105, 0.384913585, 0.241309824].map(|surface_albedo| {
+            let parameterization = Parameterization::Mfp;
+            let appearance = Appearance { surface_albedo, length: 1.0, parameterization, g: 0.0 };
+            Model::QuantizedDiffusion.profile(&appearance, Configuration::Diffuse, 1.0).unwrap()
+        });
+        let sum = Sum::of_fits(Model::QuantizedDiffusion, &profiles).unwrap();
+        for (_, weights, rates) in &sum.channels {
+            assert!(weights[weights.len() - 1] > 0.0, "{weights:?}");
+            assert!(weights.iter().all(|weight| *weight == 0.0 || *weight > LEAST_WEIGHT), "{weights:?}");
+            assert!(rates.iter().all(|rate| (1e-3..1e3).contains(rate)), "{rates:?}");
+        }
+    }
 
     /// Largest errors that were found are 4.8 % for exponentials (quantized diffusion) and 2.8 % for Gaussians (dipole).
     #[test]

@@ -1,6 +1,6 @@
 //! Destinations of exported texts.
 
-use crate::image::ImageFormat;
+use crate::image_format::ImageFormat;
 use crate::language::Language;
 
 /// The destination of a text.

@@ -24,14 +24,21 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+// Walks need a clock and vectors, which WebAssembly has not: there is the exact half space alone.
+#[cfg(not(target_family = "wasm"))]
 pub mod body;
 mod estimate;
 pub mod exact;
 mod incidence;
+#[cfg(not(target_family = "wasm"))]
 pub mod layers;
+#[cfg(not(target_family = "wasm"))]
 pub mod mcml;
+#[cfg(not(target_family = "wasm"))]
 mod ray;
+#[cfg(not(target_family = "wasm"))]
 mod split_mix;
+#[cfg(not(target_family = "wasm"))]
 pub mod walk;
 
 pub use estimate::Estimate;

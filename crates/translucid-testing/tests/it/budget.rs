@@ -28,6 +28,7 @@ const BUDGETS: [(&str, usize); 20] = [
     ("translucid-shapes", 2000),
     ("translucid-testing", 200),
     ("translucid-view", 2650),
+    ("translucid-wasm", 640),
 ];
 
 #[test]

@@ -44,8 +44,13 @@ fn dependencies_are_used() {
 /// Crates of the workspace that a crate depends on outside of its tests, without `translucid-`.
 fn known(name: &str) -> BTreeSet<String> {
     let manifest = read(&format!("crates/{name}/Cargo.toml"));
-    let section = manifest.split("\n[dependencies]").nth(1).unwrap_or_default();
-    let lines = section.lines().skip(1).take_while(|line| !line.starts_with('['));
+    // Those of some targets only, too
+    let is_of_code = |section: &&str| {
+        let head = section.lines().next().unwrap_or_default();
+        head == "dependencies]" || head.starts_with("target.") && head.ends_with(".dependencies]")
+    };
+    let sections = manifest.split("\n[").filter(is_of_code);
+    let lines = sections.flat_map(|section| section.lines().skip(1));
     let names = lines.filter_map(|line| line.strip_prefix("translucid-")?.split('.').next());
     names.map(str::to_owned).collect()
 }
