@@ -22,7 +22,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 5125),
-    ("translucid-reference", 9790),
+    ("translucid-reference", 9800),
     ("translucid-render", 17470),
     ("translucid-scene", 3880),
     ("translucid-shapes", 2000),
