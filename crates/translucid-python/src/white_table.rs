@@ -196,7 +196,7 @@ pub(crate) fn walk(
     spot_radius: Option<&Any<'_>>,
     incidence_angle: Option<&Any<'_>>,
     sectors: u32,
-    seed: u64,
+    #[pyo3(from_py_with = crate::photons::seed)] seed: u64,
     threads: Option<usize>,
     progress: Option<&Any<'_>>,
 ) -> PyResult<WhiteTable> {
@@ -399,7 +399,7 @@ impl WhiteTable {
         &self,
         py: Python<'_>,
         photons: &Any<'_>,
-        seed: u64,
+        #[pyo3(from_py_with = crate::photons::seed)] seed: u64,
         threads: Option<usize>,
         progress: Option<&Any<'_>>,
     ) -> PyResult<()> {

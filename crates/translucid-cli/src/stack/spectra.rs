@@ -192,10 +192,15 @@ fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f
             let line = record.position().map_or(0, |position| position.line() as usize);
             SceneError::at(Place::line(path, line), message)
         };
+        // A spreadsheet's empty row
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
         let number = |column: usize, range: Interval| {
             let (name, text) = (&header[column], &record[column]);
             let number = text.parse().ok().filter(|number| range.contains(*number));
-            number.ok_or_else(|| fail(format!("{name} is {text}, but must be in {range}")))
+            let shown = if text.is_empty() { "empty" } else { text };
+            number.ok_or_else(|| fail(format!("{name} is {shown}, but must be in {range}")))
         };
         let nanometers = number(wavelengths, ALLOWED).map_err(|error| error.with_help(UNIT))?;
         let row = [nanometers, number(values, range)?];
