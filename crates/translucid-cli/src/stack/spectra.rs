@@ -227,6 +227,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn empty_rows_are_skipped_and_empty_cells_named() {
+        let read = |text: &str| {
+            parse(text.as_bytes(), Path::new("a.csv"), "g", Interval::UNIT).map_err(|error| error.message)
+        };
+        assert_eq!(read("wavelength,g\n,\n400,1\n , \n700,0\n"), Ok(vec![[400.0, 1.0], [700.0, 0.0]]));
+        assert_eq!(read("wavelength,g\n400,\n"), Err("g is empty, but must be in [0, 1]".into()));
+    }
+
+    #[test]
     fn values_between_rows_are_linear_and_beyond_them_constant() {
         let rows = [[400.0, 1.0], [500.0, 3.0], [700.0, 2.0]];
         let found = [380.0, 400.0, 425.0, 500.0, 600.0, 700.0, 780.0].map(|w| interpolate(&rows, w));

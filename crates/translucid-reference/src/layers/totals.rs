@@ -72,7 +72,7 @@ impl Layers {
     /// [`totals`](Self::totals) by the first rule whose error is below a tolerance, or by the finest; nothing if it is
     /// stopped.
     ///
-    /// Many layers with many indices of refraction take minutes to 1e-6, and a tenth of that to 1e-3.
+    /// Many layers with many indices of refraction take minutes to 1e-6, and a third of that or less to 0.01.
     /// Progress counts thousandths of all rules, some of which may not be needed.
     ///
     /// # Errors

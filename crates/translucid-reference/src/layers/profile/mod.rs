@@ -231,6 +231,10 @@ impl LayersProfile {
             Side::Directions(side) => side.eval(r),
         };
         let scale = 1.0 / (self.unit * self.unit);
+        if (value * scale).is_nan() {
+            // A unit whose square is no number
+            return Estimate { value: 0.0, error: f64::MAX };
+        }
         Estimate { value: (value * scale).clamp(0.0, f64::MAX), error: (error * scale).min(f64::MAX) }
     }
 }

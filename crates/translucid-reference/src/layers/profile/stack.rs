@@ -523,7 +523,7 @@ impl Sheet {
         simd: S,
         stream: &Stream,
         sources: &Parts,
-        light: [&mut [f64]; 2],
+        [light_re, light_im]: [&mut [f64]; 2],
         is_reversed: bool,
     ) -> Complex64 {
         let per_panel = self.per_panel();
@@ -534,8 +534,8 @@ impl Sheet {
             let place = i * per_panel..(i + 1) * per_panel;
             let sources = sources.each_ref().map(|part| &part[place.clone()]);
             let [re, im] = stream.panels[number].light(simd, arriving, sources);
-            light[0][place.clone()].copy_from_slice(&re[..per_panel]);
-            light[1][place].copy_from_slice(&im[..per_panel]);
+            light_re[place.clone()].copy_from_slice(&re[..per_panel]);
+            light_im[place].copy_from_slice(&im[..per_panel]);
             arriving = Complex64::new(re[per_panel], im[per_panel]);
         }
         arriving

@@ -370,6 +370,7 @@ fn extremes_give_numbers() {
         (vec![Layer::new(0.01, 0.0, 200.0).with_eta(1.5)], Ground::Lambertian { reflectance: 1.0 }),
         (vec![Layer::new(1.0, 0.0, 1e5).with_eta(1.3)], Ground::AIR),
         (vec![Layer::new(1e-3, 0.0, 1e-9).with_g(-0.5)], Ground::BLACK),
+        (vec![Layer::new(1e-300, 0.0, 1.0)], Ground::AIR),
         (vec![Layer::new(1.0, 0.0, f64::INFINITY).with_moments(vec![0.0, 0.1])], Ground::None),
     ] {
         let profile = profile(layers, ground);
