@@ -100,7 +100,7 @@ pub(crate) struct ReferenceArguments {
     )]
     layers: Option<PathBuf>,
     /// Error of the exact solution of layers at which no finer rule is needed [default: 1e-6 of the light in totals, 1e-4 of
-    /// the value in profiles; from 5e-3 on these take a sixth of the time]
+    /// the value in profiles; from 5e-3 on these are two to six times faster]
     #[arg(long, value_name = "PART", requires = "layers", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Absorption coefficients in place of the layers' own, one for each layer, for --method monte-carlo; given several times,

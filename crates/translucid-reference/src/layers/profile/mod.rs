@@ -109,7 +109,7 @@ impl Layers {
 
     /// [`profile`](Self::profile) to about a tolerance, as a part of R(r); nothing if it is stopped.
     ///
-    /// From 0.005 on the rules are coarser, which takes a sixth of the time: R(r) of endless skin is known to 0.002 from
+    /// From 0.005 on the rules are coarser, which is two to six times faster: R(r) of endless skin is known to 0.002 from
     /// 0.1 to 10 mean free paths. Smaller ones take the rules of `profile`, which are the finest. Each number has its error
     /// in either case, and it is that which counts.
     /// Progress counts thousandths.
