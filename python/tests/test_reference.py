@@ -370,10 +370,33 @@ def test_walk_of_layers_agrees_with_their_totals():
     (lambda: reference.layers_walk(range(3), SKIN), TypeError, "in one go"),
     (lambda: reference.layers_walk(10, [SKIN[0] | {"g": [0.1, 0.2]}]), TypeError, "must be one number"),
     (lambda: reference.layers_walk(10, SKIN, nr=0), ValueError, "nr is 0"),
+    (lambda: reference.layers_walk(10, SKIN, seed=-1), ValueError, "seed is -1, but must be a whole number in"),
+    (lambda: walk(10, seed=2**64), ValueError, "seed is 18446744073709551616, but must be"),
+    (lambda: walk(10).run(10, seed=-1), ValueError, "seed is -1"),
+    (lambda: reference.layers([SKIN[1] | {3: 1.0}]), TypeError, r"layers\[0\] has the key 3, but keys are words"),
+    (lambda: reference.layers(SKIN, tolerance=0.5), ValueError, r"tolerance is 0.5.* in \[1e-12, 0.1\]"),
+    (lambda: reference.layers_profile(1.0, SKIN, tolerance=1e-5), ValueError, r"tolerance is 0.00001.* in \[1e-4, 0.1\]"),
 ])
 def test_layers_that_are_none_are_refused(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+def test_one_walk_serves_several_absorptions():
+    sets = np.array([[layer["absorption"] for layer in SKIN], [0.5, 0.2], [3.0, 0.0]])
+    walks = reference.layers_walk(100_000, SKIN, absorptions=sets, nr=10, dr=0.1, seed=4)
+    assert isinstance(walks, list) and len(walks) == 3
+    for walk_, set_ in zip(walks, sets):
+        totals = reference.layers([layer | {"absorption": value} for layer, value in zip(SKIN, set_)])
+        value, error = walk_.reflected
+        assert abs(value - totals.diffuse_reflectance) < 5.0 * error
+        value, error = walk_.absorbed_by_layer
+        assert (abs(value - totals.absorbed) <= 5.0 * error + 1e-7).all()
+        assert np.isnan(walk_.absorption[0]).all()
+    with pytest.raises(ValueError, match=r"absorptions has the shape \[3\], .* a column for each of 2 layers"):
+        reference.layers_walk(10, SKIN, absorptions=[1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match="absorption is -1"):
+        reference.layers_walk(10, SKIN, absorptions=[[1.0, -1.0]])
 
 
 def test_layers_stop_when_asked():
@@ -384,6 +407,24 @@ def test_layers_stop_when_asked():
         reference.layers_walk(10**9, SKIN, progress=stop)
     with pytest.raises(KeyboardInterrupt):
         reference.layers([SKIN[0] | {"absorption": np.linspace(0.1, 2.0, 500)}], progress=stop)
+
+
+def test_one_stack_shows_progress_and_stops():
+    calls = []
+    profile = reference.layers_profile(0.1, SKIN, tolerance=0.01, progress=lambda done, total: calls.append((done, total)))
+    assert calls[-1] == (1000, 1000) and calls == sorted(calls)
+    fine = reference.layers_profile(0.1, SKIN)
+    assert abs(profile.reflectance - fine.reflectance) < profile.reflectance_error < 0.05 * fine.reflectance
+    many = [dict(thickness=0.1, scattering=1.0, absorption=0.1, g=0.9, eta=1.0 + 0.05 * (i % 16)) for i in range(1000)]
+
+    def stop(done, total):
+        if done > 0:
+            raise KeyboardInterrupt
+
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        reference.layers(many, progress=stop)
+    assert time.monotonic() - start < 30.0
 
 
 def test_layers_that_fit_into_no_memory_are_refused():

@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import Any, Literal, NamedTuple, TypeAlias, final
+from typing import Any, Literal, NamedTuple, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -184,6 +184,7 @@ def layers(
     ground_reflectance: ArrayLike | None = None,
     configuration: _Configuration | None = None,
     incidence_angle: float | None = None,
+    tolerance: float | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> LayersTotals: ...
@@ -194,9 +195,11 @@ def layers_profile(
     eta_above: ArrayLike | None = None,
     eta_below: ArrayLike | None = None,
     ground_reflectance: ArrayLike | None = None,
+    tolerance: float | None = None,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> LayersProfile: ...
+@overload
 def layers_walk(
     photons: float,
     layers: Iterable[Mapping[str, ArrayLike]],
@@ -204,6 +207,7 @@ def layers_walk(
     eta_above: float | None = None,
     eta_below: float | None = None,
     ground_reflectance: float | None = None,
+    absorptions: None = None,
     dr: float = 1.0,
     nr: int = 1,
     dz: float = 1.0,
@@ -214,6 +218,25 @@ def layers_walk(
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> LayersWalk: ...
+@overload
+def layers_walk(
+    photons: float,
+    layers: Iterable[Mapping[str, ArrayLike]],
+    *,
+    eta_above: float | None = None,
+    eta_below: float | None = None,
+    ground_reflectance: float | None = None,
+    absorptions: ArrayLike,
+    dr: float = 1.0,
+    nr: int = 1,
+    dz: float = 1.0,
+    nz: int = 1,
+    configuration: _Configuration | None = None,
+    incidence_angle: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> list[LayersWalk]: ...
 def walk(
     photons: float | range | None = None,
     *,

@@ -58,6 +58,10 @@ fn checked_target(path: &Path) -> Result<PathBuf, OutputError> {
     if path.file_name().is_none() {
         return Err(OutputError::new(path, "does not name a file"));
     }
+    if path == Path::new("-") {
+        let help = "leave it out to print what can be printed, or name a file, such as ./-";
+        return Err(OutputError::new(path, "stands for no file here").with_help(help));
+    }
     if is_of_the_system(path) {
         return Err(OutputError::new(path, "is not a regular file"));
     }
@@ -220,6 +224,14 @@ mod tests {
         assert!(error.to_string().contains("picture.bin") && error.to_string().contains("disk is full"));
         assert_eq!(fs::read(&path).unwrap(), b"first");
         assert_eq!(names(directory.path()), ["picture.bin"]);
+    }
+
+    #[test]
+    fn dash_is_no_file() {
+        for check in [check_writable(Path::new("-")), write_bytes(Path::new("-"), b"")] {
+            assert!(check.unwrap_err().to_string().contains("stands for no file here"));
+        }
+        assert!(!Path::new("-").exists());
     }
 
     #[test]

@@ -6,12 +6,18 @@ use pyo3::types::{PyBool, PyFloat, PyInt, PyRange};
 use translucid_reference::walk::PhotonRange;
 
 use crate::arrays::Any;
+use crate::scene::whole_number;
 
 /// Photons to be walked.
 pub(crate) enum Photons {
     /// Seed, and how many.
     Count(u64, u64),
     Range(PhotonRange),
+}
+
+/// The seed of a walk.
+pub(crate) fn seed(argument: &Any<'_>) -> PyResult<u64> {
+    whole_number("seed", argument, 0, u64::MAX)
 }
 
 impl Photons {

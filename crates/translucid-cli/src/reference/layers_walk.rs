@@ -67,13 +67,42 @@ pub(super) fn print_walked_totals(
     };
     arguments.table.check()?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
-    let walk =
-        |control: &Control| layers.walk(incidence, Grid::TOTALS, photons, arguments.walk.seed(), control);
-    let tally = watched(&file.display().to_string(), photons, walk, |tally| tally).map_err(refused)?;
+    let sets = absorption_sets(arguments, layers.layers().len())?;
+    let (grid, seed) = (Grid::TOTALS, arguments.walk.seed());
+    let walk = |control: &Control| {
+        if sets.is_empty() {
+            return layers.walk(incidence, grid, photons, seed, control).map(|tally| vec![tally]);
+        }
+        layers.walk_absorptions(&sets, incidence, grid, photons, seed, control)
+    };
+    let tallies =
+        watched(&file.display().to_string(), photons, walk, |tallies| &tallies[0]).map_err(refused)?;
     let interrupted = interrupt::settle();
-    if tally.photons() == 0 {
+    if tallies[0].photons() == 0 {
         return Err(Failure::interrupted("nothing was walked yet"));
     }
+    if sets.is_empty() {
+        let rows = parts(&tallies[0]).into_iter().map(|(part, Estimate { value, error })| {
+            [Cell::Word(part), Cell::Number(value), Cell::Number(error)]
+        });
+        arguments.table.write_cells(TOTAL_COLUMNS, rows)?;
+    } else {
+        let rows = arguments.absorption.iter().zip(&tallies).flat_map(|(set, tally)| {
+            parts(tally).into_iter().map(move |(part, Estimate { value, error })| {
+                [Cell::from(set.as_str()), Cell::Word(part), Cell::Number(value), Cell::Number(error)]
+            })
+        });
+        let [part, value, error] = TOTAL_COLUMNS;
+        arguments.table.write_cells(["absorption", part, value, error], rows)?;
+    }
+    if interrupted {
+        return Err(Failure::interrupted(format!("the table is that of {} photons", tallies[0].photons())));
+    }
+    Ok(())
+}
+
+/// Figures of a walk by their names.
+fn parts(tally: &LayersTally) -> Vec<(String, Estimate)> {
     let reflected = tally.total(Quantity::Reflected);
     let reflected = Estimate { value: tally.specular() + reflected.value, ..reflected };
     let mut parts = vec![
@@ -83,14 +112,21 @@ pub(super) fn print_walked_totals(
     let absorbed = tally.all(Quantity::AbsorbedByLayer).enumerate();
     parts.extend(absorbed.map(|(i, part)| (format!("absorbed_by_layer_{}", i + 1), part)));
     parts.push((String::from("absorbed_by_ground"), tally.total(Quantity::Ground)));
-    let row = |(part, Estimate { value, error }): (String, Estimate)| {
-        [Cell::Word(part), Cell::Number(value), Cell::Number(error)]
+    parts
+}
+
+/// The sets of --absorption, each of a coefficient for each layer.
+fn absorption_sets(arguments: &ReferenceArguments, layers: usize) -> Result<Vec<Vec<f64>>, Failure> {
+    let read = |text: &String| {
+        let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+        numbers.filter(|numbers| numbers.len() == layers).ok_or_else(|| {
+            Failure::input(format!(
+                "--absorption is {text}, but must be {layers} numbers with commas between"
+            ))
+            .with_help("give one for each layer, from top to bottom")
+        })
     };
-    arguments.table.write_cells(TOTAL_COLUMNS, parts.into_iter().map(row))?;
-    if interrupted {
-        return Err(Failure::interrupted(format!("the table is that of {} photons", tally.photons())));
-    }
-    Ok(())
+    arguments.absorption.iter().map(read).collect()
 }
 
 /// The error of a parameter of layers or of light on them.

@@ -72,11 +72,16 @@ fn refuse_what_the_file_says(arguments: &ReferenceArguments) -> Result<(), Failu
         ("--configuration", arguments.configuration.is_some()),
         ("--incidence-angle", arguments.incidence_angle.is_some()),
         ("--at or --points", arguments.radii.count() > 0),
+        ("--absorption", !arguments.absorption.is_empty()),
     ];
     if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
         return Err(
             Failure::input(format!("{option} is given, but an .mci file says it")).with_help("leave it out")
         );
+    }
+    if arguments.tolerance.is_some() {
+        return Err(Failure::input("--tolerance belongs to the exact solution, not to a walk")
+            .with_help("the file states the number of photons"));
     }
     arguments.walk.refuse_for_layers(false)
 }

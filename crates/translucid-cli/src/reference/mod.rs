@@ -99,6 +99,14 @@ pub(crate) struct ReferenceArguments {
         conflicts_with_all = ["mfp", "g", "phase_function", "eta", "azimuth", "thickness", "side", "spot_radius"]
     )]
     layers: Option<PathBuf>,
+    /// Error of the exact solution of layers at which no finer rule is needed [default: 1e-6 of the light in totals, 1e-4 of
+    /// the value in profiles; from 5e-3 on these are two to six times faster]
+    #[arg(long, value_name = "PART", requires = "layers", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Absorption coefficients in place of the layers' own, one for each layer, for --method monte-carlo; given several times,
+    /// each set has its rows, and one walk serves all
+    #[arg(long, value_name = "A1,A2,...", requires = "layers", allow_hyphen_values = true)]
+    absorption: Vec<String>,
     /// Mean free path in the volume [any unit; all lengths are in the same]
     #[arg(long, value_name = "L", default_value_t = 1.0, allow_negative_numbers = true)]
     mfp: f64,

@@ -192,10 +192,15 @@ fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f
             let line = record.position().map_or(0, |position| position.line() as usize);
             SceneError::at(Place::line(path, line), message)
         };
+        // A spreadsheet's empty row
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
         let number = |column: usize, range: Interval| {
             let (name, text) = (&header[column], &record[column]);
             let number = text.parse().ok().filter(|number| range.contains(*number));
-            number.ok_or_else(|| fail(format!("{name} is {text}, but must be in {range}")))
+            let shown = if text.is_empty() { "empty" } else { text };
+            number.ok_or_else(|| fail(format!("{name} is {shown}, but must be in {range}")))
         };
         let nanometers = number(wavelengths, ALLOWED).map_err(|error| error.with_help(UNIT))?;
         let row = [nanometers, number(values, range)?];
@@ -220,6 +225,15 @@ fn interpolate(rows: &[[f64; 2]], wavelength: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn empty_rows_are_skipped_and_empty_cells_named() {
+        let read = |text: &str| {
+            parse(text.as_bytes(), Path::new("a.csv"), "g", Interval::UNIT).map_err(|error| error.message)
+        };
+        assert_eq!(read("wavelength,g\n,\n400,1\n , \n700,0\n"), Ok(vec![[400.0, 1.0], [700.0, 0.0]]));
+        assert_eq!(read("wavelength,g\n400,\n"), Err("g is empty, but must be in [0, 1]".into()));
+    }
 
     #[test]
     fn values_between_rows_are_linear_and_beyond_them_constant() {

@@ -93,6 +93,18 @@ fn faults_are_named() {
         (layer, "--configuration diffuse --at 1", "profiles of layers are those of a searchlight"),
         (&format!("{layer}g = 0.95\n"), "--at 1", "layer 1: moment 32 of the phase function is 0.19"),
         (layer, "-o layers.toml", "a file that is read"),
+        (layer, "-o -", "stands for no file here"),
+        (layer, "--absorption 1", "--absorption is for --method monte-carlo"),
+        (
+            layer,
+            "--method monte-carlo --absorption 1,2",
+            "--absorption is 1,2, but must be 1 numbers with commas",
+        ),
+        (layer, "--method monte-carlo --absorption x", "--absorption is x, but must be 1 numbers"),
+        (layer, "--method monte-carlo --absorption -1", "absorption is -1, but must be in [0, 1e30]"),
+        (layer, "--tolerance 0.5", "tolerance is 0.5, but must be in [1e-12, 0.1]"),
+        (layer, "--tolerance nan --at 1", "tolerance is NaN, but must be in [1e-4, 0.1]"),
+        (layer, "--method monte-carlo --tolerance 0.1", "--tolerance belongs to the exact solution"),
         ("[[layer]\n", "", "this is not valid TOML"),
     ] {
         let directory = directory_with(text);
@@ -101,6 +113,20 @@ fn faults_are_named() {
         assert_eq!(output.status.code(), Some(2), "{text} {options}: {message}");
         assert!(message.contains(expected), "{text} {options}: {message}");
     }
+}
+
+/// A looser tolerance is near, and what is not known is said.
+#[test]
+fn tolerance_and_what_is_not_known_are_said() {
+    let directory = directory_with(&PAINT.replacen("absorption", "g = 0.5\nabsorption", 1));
+    let run = |options: &str| run(directory.path(), &format!("reference --layers layers.toml {options}"));
+    let output = run("--at 0.1,1000 --tolerance 0.01");
+    let (message, text) = (stderr(&output), String::from_utf8_lossy(&output.stdout).into_owned());
+    assert!(message.contains("at 1 of 2 radii an error is as large as its value"), "{message}");
+    let row: Vec<f64> = text.lines().nth(1).unwrap().split(',').map(|word| word.parse().unwrap()).collect();
+    let exact = paint(0.5).profile().unwrap().reflectance(0.1).value;
+    assert!((row[1] / exact - 1.0).abs() < 0.01 && (row[1] - exact).abs() < row[2], "{row:?} {exact}");
+    assert_eq!(stderr(&run("--at 0.1 --tolerance 0.01")), "");
 }
 
 /// |z| < 5 of 4 figures, in Student's distribution: false-alarm rate 2e-5.
@@ -120,5 +146,39 @@ fn walk_prints_the_totals_too() {
             csv.lines().map(|line| line.split(',').collect::<Vec<_>>()).find(|row| row[0] == part).unwrap();
         let [value, error] = [row[1], row[2]].map(|word| word.parse::<f64>().unwrap());
         assert!((value - expected).abs() < 5.0 * error, "{part}: {value} ± {error}, expected {expected}");
+    }
+}
+
+/// |z| < 5 of 8 figures: false-alarm rate 4e-5.
+#[test]
+fn one_walk_serves_several_absorptions() {
+    let directory = directory_with(PAINT);
+    let sets = [[0.5, 0.5], [4.0, 0.0]];
+    let options = "--method monte-carlo --photons 1e5 --seed 5 --absorption 0.5,0.5 --absorption 4,0";
+    let csv = stdout(directory.path(), &format!("reference --layers layers.toml {options}"));
+    let rows: Vec<[&str; 4]> = csv
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let (set, rest) = line[1..].split_once("\",").unwrap();
+            let rest: Vec<&str> = rest.split(',').collect();
+            [set, rest[0], rest[1], rest[2]]
+        })
+        .collect();
+    assert!(csv.starts_with("absorption,part,value,error\n"), "{csv}");
+    for ([first, second], name) in sets.into_iter().zip(["0.5,0.5", "4,0"]) {
+        let mut layers = paint(0.0).layers().to_vec();
+        (layers[0].absorption, layers[1].absorption) = (first, second);
+        let totals = Layers::new(1.0, layers, Ground::AIR).unwrap().totals(Incidence::NORMAL).unwrap();
+        for (part, expected) in [
+            ("reflectance", totals.specular_reflectance + totals.diffuse_reflectance),
+            ("transmittance", totals.collimated_transmittance + totals.diffuse_transmittance),
+            ("absorbed_by_layer_1", totals.absorbed[0]),
+            ("absorbed_by_layer_2", totals.absorbed[1]),
+        ] {
+            let row = rows.iter().find(|row| row[0] == name && row[1] == part).unwrap();
+            let [value, error] = [row[2], row[3]].map(|word| word.parse::<f64>().unwrap());
+            assert!((value - expected).abs() <= 5.0 * error, "{name} {part}: {value} ± {error}, {expected}");
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::operators::{LayerOperators, depth, face};
 use super::rays::{Rays, squared_indices};
 use super::{Ground, Layer, Layers};
 use crate::Incidence;
+use crate::walk::Control;
 
 /// Energies per unit of flux that arrives from above; their sum is 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,25 @@ impl Layers {
     /// # Errors
     /// A layer that scatters is thicker than 1e15 mean free paths, a pencil's cosine is not in [1e-4, 1], or the incidence is given inside a medium ([`Incidence::UniformCosine`]).
     pub fn totals(&self, incidence: Incidence) -> Result<Totals, ParameterError> {
+        // Nobody stops it
+        self.totals_within(ENOUGH, incidence, &Control::default()).map(|totals| totals.expect("totals"))
+    }
+
+    /// [`totals`](Self::totals) by the first rule whose error is below a tolerance, or by the finest; nothing if it is
+    /// stopped.
+    ///
+    /// Many layers with many indices of refraction take minutes to 1e-6, and a third of that or less to 0.01.
+    /// Progress counts thousandths of all rules, some of which may not be needed.
+    ///
+    /// # Errors
+    /// The tolerance is not in [1e-12, 0.1], or those of [`totals`](Self::totals).
+    pub fn totals_within(
+        &self,
+        tolerance: f64,
+        incidence: Incidence,
+        control: &Control,
+    ) -> Result<Option<Totals>, ParameterError> {
+        require((1e-12..=0.1).contains(&tolerance), "tolerance", tolerance, "in [1e-12, 0.1]")?;
         let beam = self.beam(incidence)?;
         for layer in self.layers.iter().filter(|layer| layer.scattering > 0.0 && layer.thickness.is_finite())
         {
@@ -72,16 +92,30 @@ impl Layers {
             require(depth <= 1e15, "optical thickness", depth, allowed)?;
         }
         let panels = squared_indices(self).len();
-        let [coarsest, finer @ ..] = COUNTS;
-        let mut totals = self.totals_by(&Rays::new(self, coarsest, beam));
-        for count in finer {
-            let rays = Rays::new(self, count, beam);
-            let now = self.totals_by(&rays);
+        let finest = COUNTS.iter().position(|count| count * panels > MOST_RAYS).unwrap_or(COUNTS.len() - 1);
+        // A layer takes the cube of its rays
+        let costs = COUNTS[..=finest.max(1)].iter().map(|count| (count * count * count) as u64);
+        let all = self.layers.len() as u64 * costs.sum::<u64>();
+        let mut done = 0;
+        let mut totals: Option<Totals> = None;
+        for count in &COUNTS[..=finest.max(1)] {
+            let rays = Rays::new(self, *count, beam);
+            let solved = self.totals_by(&rays, &mut || {
+                done += (count * count * count) as u64;
+                (control.progress)(1000 * done / all);
+                !control.stops()
+            });
+            let Some(now) = solved else { return Ok(None) };
+            let Some(before) = totals else {
+                totals = Some(now);
+                continue;
+            };
             let lost = (now.sum() - 1.0).abs();
-            let error = 2.0 * now.difference(&totals) + PEAK_DOUBT * self.peak(&rays) + lost;
+            let error = 2.0 * now.difference(&before) + PEAK_DOUBT * self.peak(&rays) + lost;
             // What is not a number is no result
-            totals = Totals { error: if error.is_nan() { f64::INFINITY } else { error.max(1e-12) }, ..now };
-            if error < ENOUGH || count * panels > MOST_RAYS {
+            let error = if error.is_nan() { f64::INFINITY } else { error.max(1e-12) };
+            totals = Some(Totals { error, ..now });
+            if error < tolerance {
                 break;
             }
         }
@@ -112,8 +146,9 @@ impl Layers {
         }
     }
 
-    fn totals_by(&self, rays: &Rays) -> Totals {
-        let stack = Stack::new(self, rays);
+    /// Totals by one rule; after each layer `goes_on` tells whether to go on.
+    fn totals_by(&self, rays: &Rays, goes_on: &mut dyn FnMut() -> bool) -> Option<Totals> {
+        let stack = Stack::new(self, rays, goes_on)?;
         let above = rays.count(self.eta_above);
         let incident: Vec<f64> = match rays.beam() {
             Some(beam) => {
@@ -133,7 +168,7 @@ impl Layers {
         totals.diffuse_transmittance -= totals.collimated_transmittance;
         totals.diffuse_reflectance = totals.diffuse_reflectance.max(0.0);
         totals.diffuse_transmittance = totals.diffuse_transmittance.max(0.0);
-        totals
+        Some(totals)
     }
 }
 
@@ -185,8 +220,8 @@ struct Level {
 }
 
 impl<'a> Stack<'a> {
-    /// Adds layers from the ground up.
-    fn new(layers: &'a Layers, rays: &'a Rays) -> Self {
+    /// Adds layers from the ground up, as long as `goes_on` says so.
+    fn new(layers: &'a Layers, rays: &'a Rays, goes_on: &mut dyn FnMut() -> bool) -> Option<Self> {
         let mut levels = Vec::new();
         let mut below = ground(layers, rays);
         for (i, layer) in layers.layers.iter().enumerate().rev() {
@@ -200,9 +235,12 @@ impl<'a> Stack<'a> {
             let above = add_face(rays.count(eta_above), &face, &entered, &reflected);
             levels.push(Level { face, entered, reflected, passed, below });
             below = above;
+            if !goes_on() {
+                return None;
+            }
         }
         levels.reverse();
-        Self { layers, rays, levels, reflected: below }
+        Some(Self { layers, rays, levels, reflected: below })
     }
 
     /// Sends amplitudes in from above; unscattered light counts as diffuse.

@@ -12,6 +12,7 @@ use super::poles::Poles;
 use super::remainder::{Remainder, remainder};
 use super::single::Single;
 use super::stack::Resolution;
+use super::watch::Watch;
 use crate::Estimate;
 
 /// Light that leaves through one face.
@@ -33,6 +34,12 @@ struct Settings {
     moments: usize,
     /// Nodes of a panel of depths.
     nodes: usize,
+    /// Most orders of the azimuth.
+    orders: usize,
+    /// Rays and azimuths that are added by ln k.
+    growth: [f64; 2],
+    /// Norm of what may be left of the equations, over that of their right sides.
+    enough: f64,
     /// Step of ln k.
     step: f64,
     /// Step of ln κ of poles.
@@ -48,14 +55,15 @@ const POLES: [f64; 2] = [0.3, 1.0];
 impl Settings {
     /// Resolution for a wave number in mean free paths.
     fn resolution(&self, k: f64) -> Resolution {
-        let growth = libm::log1p(k);
-        let orders = ((3.0 + 6.0 * k.min(10.0)) as usize).min(self.moments).min(16);
+        let [rays, azimuths] = self.growth.map(|growth| growth * libm::log1p(k));
+        let orders = ((3.0 + 6.0 * k.min(10.0)) as usize).min(self.moments).min(self.orders);
         Resolution {
-            rays: (self.moments / 2).max(8) + (2.0 * growth) as usize,
+            rays: (self.moments / 2).max(8) + rays as usize,
             moments: self.moments,
             orders,
-            azimuths: (4.0 + 0.8 * orders as f64 + 2.5 * growth) as usize,
+            azimuths: (4.0 + 0.5 * orders as f64 + azimuths) as usize,
             nodes: self.nodes,
+            enough: self.enough,
         }
     }
 }
@@ -67,8 +75,8 @@ struct Solution {
     left: f64,
 }
 
-/// Solves by one rule, for light that leaves above and below.
-fn solve(layers: &Layers, unit: f64, settings: &Settings) -> Solution {
+/// Solves by one rule, for light that leaves above and below; nothing if it is stopped.
+fn solve(layers: &Layers, unit: f64, settings: &Settings, watch: &Watch) -> Option<Solution> {
     let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
     let transport =
         |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.deflection.moment(1));
@@ -76,9 +84,10 @@ fn solve(layers: &Layers, unit: f64, settings: &Settings) -> Solution {
     let low = (LEAST[0] * scattering().map(transport).fold(1.0, f64::min)).max(LEAST[1] * k0);
     let span = libm::log(MOST / low);
     let count = (span / settings.step).ceil() as usize + 1;
+    watch.expect(count);
     let ks: Vec<f64> = (0..count).map(|i| low * libm::exp(span * i as f64 / (count - 1) as f64)).collect();
-    let values: Vec<Remainder> =
-        ks.par_iter().map(|k| remainder(layers, unit, *k, &settings.resolution(*k))).collect();
+    let at = |k: &f64| watch.step(|| remainder(layers, unit, *k, &settings.resolution(*k)));
+    let values: Vec<Remainder> = ks.par_iter().map(at).collect::<Option<_>>()?;
     let [above, below] = Single::sides(layers, unit, settings.moments);
     let poles = |side: usize| {
         let sample = |(k, value): (&f64, &Remainder)| [*k, value.rest[side], value.straight[side]];
@@ -90,19 +99,19 @@ fn solve(layers: &Layers, unit: f64, settings: &Settings) -> Solution {
         Hankel::new(poles, &plain, bend)
     };
     let left = values.iter().map(|value| value.left).fold(0.0, f64::max);
-    Solution { sides: [(above, poles(0)), (below, poles(1))], farthest: 1.0 / low, left }
+    Some(Solution { sides: [(above, poles(0)), (below, poles(1))], farthest: 1.0 / low, left })
 }
 
 impl Side {
-    /// Light that leaves above, and below.
-    pub(super) fn both(layers: &Layers, unit: f64) -> [Self; 2] {
-        let [fine, coarse] = settings(layers);
-        let Solution { sides: [above, below], farthest, left } = solve(layers, unit, &fine);
-        let [coarse_above, coarse_below] = solve(layers, unit, &coarse).sides;
+    /// Light that leaves above, and below; nothing if it is stopped.
+    pub(super) fn both(layers: &Layers, unit: f64, is_quick: bool, watch: &Watch) -> Option<[Self; 2]> {
+        let [fine, coarse] = settings(layers, is_quick);
+        let Solution { sides: [above, below], farthest, left } = solve(layers, unit, &fine, watch)?;
+        let [coarse_above, coarse_below] = solve(layers, unit, &coarse, watch)?.sides;
         let is_clear = layers.layers().iter().any(|layer| layer.scattering == 0.0);
         let caution = CAUTION[usize::from(is_clear)];
         let side = |fine, coarse| Self { solutions: [fine, coarse], farthest, left, caution };
-        [side(above, coarse_above), side(below, coarse_below)]
+        Some([side(above, coarse_above), side(below, coarse_below)])
     }
 
     pub(super) fn eval(&self, r: f64) -> Estimate {
@@ -178,15 +187,30 @@ const CAUTION: [f64; 2] = [2.0, 4.0];
 const COMMON: f64 = 3e-4;
 
 /// The finer and the coarser solution's.
-fn settings(layers: &Layers) -> [Settings; 2] {
+fn settings(layers: &Layers, is_quick: bool) -> [Settings; 2] {
     let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
     let peak =
         |moments: usize| scattering().map(|layer| layer.deflection.moment(moments).abs()).fold(0.0, f64::max);
     let few = MOMENTS.iter().position(|moments| peak(*moments) < SMALL_PEAK).unwrap_or(MOMENTS.len() - 1);
-    let coarse = if peak(MOMENTS[few]) == 0.0 { few } else { few.max(1) - 1 };
-    let settings =
-        |number: usize, nodes, step, pole_step| Settings { moments: MOMENTS[number], nodes, step, pole_step };
-    [settings(few, 6, 0.3, 0.75), settings(coarse, 5, 0.36, 0.9)]
+    let coarser = |number: usize| if peak(MOMENTS[number]) == 0.0 { number } else { number.max(1) - 1 };
+    let fine = Settings {
+        moments: MOMENTS[few],
+        nodes: 6,
+        orders: 16,
+        growth: [2.0, 2.0],
+        enough: 1e-7,
+        step: 0.3,
+        pole_step: 0.75,
+    };
+    let moments = MOMENTS[coarser(few)];
+    let coarse = Settings { moments, nodes: 5, orders: 10, step: 0.36, pole_step: 0.9, ..fine };
+    if !is_quick {
+        return [fine, coarse];
+    }
+    let fine =
+        Settings { moments, nodes: 4, orders: 8, growth: [1.0, 1.5], enough: 2e-4, step: 0.36, ..fine };
+    let moments = MOMENTS[coarser(coarser(few))];
+    [fine, Settings { moments, nodes: 3, orders: 6, step: 0.43, pole_step: 0.9, ..fine }]
 }
 
 /// Numbers of moments, of which the first does that leaves a peak so small.

@@ -12,20 +12,23 @@ mod remainder;
 mod single;
 mod stack;
 mod transform;
+mod watch;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use self::depths::Depths;
 use self::single::Single;
 use self::transform::Transform;
+use self::watch::Watch;
 use super::matrix::Matrix;
 use super::rays::squared_indices;
 use super::{Ground, Layer, Layers, LayersError};
 use crate::Estimate;
 use crate::exact::h_function::Nested;
 use crate::exact::hankel_inversion::{Contour, Inversion, Settings};
+use crate::walk::Control;
 
 /// Profiles R(r) and T(r) of layers under a normal pencil beam, as [`Layers::profile`] solves them.
 ///
@@ -55,16 +58,20 @@ struct Contoured {
     doubt: Inversion,
 }
 
-/// Nodes of a panel of depths, by the finer and the coarser rule.
-const NODES: [usize; 2] = [7, 5];
+/// Nodes of a panel of depths, by the finer and the coarser rule, and those of quick solutions.
+const NODES: [[usize; 2]; 2] = [[7, 5], [4, 3]];
 /// Most nodes of a stack: each wave number solves a system of as many equations.
 const MOST_DEPTHS: usize = 800;
 /// Radius up to which the error keeps small, in mean free paths of the thinnest medium.
 const FARTHEST: f64 = 300.0;
 /// Part of the least decay at which wave numbers begin: at the whole, light gets infinitely deep.
 const BEFORE_DECAY: f64 = 0.95;
-/// Step of wave numbers.
-const STEP: f64 = 0.2;
+/// Step of wave numbers, and that of quick solutions.
+const STEP: [f64; 2] = [0.2, 0.3];
+/// Least tolerance, at which the rules are the finest.
+const LEAST_TOLERANCE: f64 = 1e-4;
+/// Tolerance from which on a quick solution does.
+const QUICK: f64 = 5e-3;
 /// Error as a part of the value that is in all rules.
 const COMMON: f64 = 2e-5;
 
@@ -96,6 +103,28 @@ impl Layers {
     /// than 4 indices of refraction, extinction coefficients that differ by more than a factor of 1000, |g| above 0.93 and a
     /// ground that is not black less than a mean free path deep are refused as well.
     pub fn profile(&self) -> Result<LayersProfile, LayersError> {
+        // Nobody stops it
+        self.profile_within(LEAST_TOLERANCE, &Control::default()).map(|profile| profile.expect("a profile"))
+    }
+
+    /// [`profile`](Self::profile) to about a tolerance, as a part of R(r); nothing if it is stopped.
+    ///
+    /// From 0.005 on the rules are coarser, which is two to six times faster: R(r) of endless skin is known to 0.002 from
+    /// 0.1 to 10 mean free paths. Smaller ones take the rules of `profile`, which are the finest. Each number has its error
+    /// in either case, and it is that which counts.
+    /// Progress counts thousandths.
+    ///
+    /// # Errors
+    /// The tolerance is not in [1e-4, 0.1], or [`profile`](Self::profile) refuses the layers.
+    pub fn profile_within(
+        &self,
+        tolerance: f64,
+        control: &Control,
+    ) -> Result<Option<LayersProfile>, LayersError> {
+        let allowed = (LEAST_TOLERANCE..=0.1).contains(&tolerance);
+        require(allowed, "tolerance", tolerance, "in [1e-4, 0.1]")
+            .map_err(|error| LayersError { layer: None, error })?;
+        let is_quick = tolerance >= QUICK;
         let extinctions: Vec<f64> =
             (self.layers.iter()).filter(|layer| layer.scattering > 0.0).map(Layer::extinction).collect();
         let most = extinctions.iter().copied().fold(0.0, f64::max);
@@ -104,11 +133,14 @@ impl Layers {
         let is_open = matches!(self.ground, Ground::Medium { .. });
         if !self.is_plain() {
             self.check_for_directions()?;
-            let [above, below] =
-                directions::Side::both(self, unit).map(|side| Side::Directions(Box::new(side)));
-            return Ok(LayersProfile { unit, reflected: above, transmitted: is_open.then_some(below) });
+            let sides = directions::Side::both(self, unit, is_quick, &Watch::new(control, 2));
+            return Ok(sides.map(|sides| {
+                let [reflected, below] = sides.map(|side| Side::Directions(Box::new(side)));
+                LayersProfile { unit, reflected, transmitted: is_open.then_some(below) }
+            }));
         }
-        let depths = Depths::count(self, unit, NODES[0]);
+        let nodes = NODES[usize::from(is_quick)];
+        let depths = Depths::count(self, unit, nodes[0]);
         if depths > MOST_DEPTHS {
             let allowed = "at most 800 for a profile: fewer or thinner layers";
             let error = ParameterError::new("number of depths that the layers need", depths as f64, allowed);
@@ -117,14 +149,17 @@ impl Layers {
         let r_max = FARTHEST * if most > 0.0 { (most / least).min(1e6) } else { 1.0 };
         let contour = Contour::new(
             BEFORE_DECAY * self.slowest_decay(unit).min(1.0),
-            &Settings { r_max, k_step: STEP, ..Settings::default() },
+            &Settings { r_max, k_step: STEP[usize::from(is_quick)], ..Settings::default() },
         );
-        let [fine, coarse] = NODES.map(|count| Transform::new(self, unit, count));
+        let [fine, coarse] = nodes.map(|count| Transform::new(self, unit, count));
         let at = |k: Complex64| {
             let [fine, coarse] = [fine.remainder(k), coarse.remainder(k)];
             [0, 1].map(|side| [fine[side], fine[side] - coarse[side]])
         };
-        let values: Vec<[[Complex64; 2]; 2]> = contour.nodes.par_iter().map(|node| at(node.k)).collect();
+        let watch = Watch::new(control, 1);
+        watch.expect(contour.nodes.len());
+        let values = contour.nodes.par_iter().map(|node| watch.step(|| at(node.k)));
+        let Some(values) = values.collect::<Option<Vec<[[Complex64; 2]; 2]>>>() else { return Ok(None) };
         let total = at(Complex64::ZERO);
         let singles = Single::sides(self, unit, 1);
         let side = |side: usize| {
@@ -137,7 +172,7 @@ impl Layers {
             let single = singles[side].clone();
             Side::Contour(Box::new(Contoured { single, rest: inversion(0), doubt: inversion(1) }))
         };
-        Ok(LayersProfile { unit, reflected: side(0), transmitted: is_open.then(|| side(1)) })
+        Ok(Some(LayersProfile { unit, reflected: side(0), transmitted: is_open.then(|| side(1)) }))
     }
 
     /// Whether scatterers are isotropic, and no face reflects.
@@ -196,6 +231,10 @@ impl LayersProfile {
             Side::Directions(side) => side.eval(r),
         };
         let scale = 1.0 / (self.unit * self.unit);
+        if (value * scale).is_nan() {
+            // A unit whose square is no number
+            return Estimate { value: 0.0, error: f64::MAX };
+        }
         Estimate { value: (value * scale).clamp(0.0, f64::MAX), error: (error * scale).min(f64::MAX) }
     }
 }

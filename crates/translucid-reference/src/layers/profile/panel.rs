@@ -15,6 +15,8 @@
 //!
 //! which is solved upwards for large s, and as a system for small s, where that would lose all digits.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x8};
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
@@ -30,13 +32,39 @@ pub(super) struct PanelRule {
     slopes: Vec<Vec<f64>>,
 }
 
+/// Real and imaginary parts at a panel's nodes, then at its end; zeros fill them up to whole vectors.
+pub(super) type Column = [[f64; ROWS]; 2];
+
+/// Most nodes of a panel, and one more.
+const ROWS: usize = 8;
+
 /// What sources at the nodes, and light that comes into the panel, do to the nodes and the panel's end.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
-    /// Rows by node, the end last.
-    pub(super) sources: Vec<Complex64>,
-    /// e^{−σ(z − a)/μ} at the nodes, and at the end.
-    pub(super) passed: Vec<Complex64>,
+    /// By node of the source.
+    sources: Vec<Column>,
+    /// e^{−σ(z − a)/μ}.
+    pub(super) passed: Column,
+}
+
+impl Panel {
+    /// Light at the nodes and the end from what arrives and from sources, real parts first.
+    #[inline(always)]
+    pub(super) fn light<S: Simd>(&self, simd: S, arriving: Complex64, sources: [&[f64]; 2]) -> Column {
+        let mut light = times(simd, &self.passed, arriving.re, arriving.im);
+        for (column, (re, im)) in self.sources.iter().zip(sources[0].iter().zip(sources[1])) {
+            let [a, b] = times(simd, column, *re, *im);
+            light = [light[0] + a, light[1] + b];
+        }
+        [light[0].to_array(), light[1].to_array()]
+    }
+}
+
+/// A column times a complex number.
+#[inline(always)]
+fn times<S: Simd>(simd: S, [re, im]: &Column, a: f64, b: f64) -> [f64x8<S>; 2] {
+    let [re, im] = [f64x8::from_slice(simd, re), f64x8::from_slice(simd, im)];
+    [re * a - im * b, re * b + im * a]
 }
 
 /// Terms of the system of small s beyond the polynomials of a panel.
@@ -68,19 +96,21 @@ impl PanelRule {
         let half = 0.5 * thickness / cosine;
         let s = extinction * half;
         let system = System::new(s, count);
-        let mut sources = vec![Complex64::ZERO; (count + 1) * count];
-        let mut passed = Vec::with_capacity(count + 1);
+        let mut sources = vec![[[0.0; ROWS]; 2]; count];
+        let mut passed = [[0.0; ROWS]; 2];
         let mut integrals = vec![Complex64::ZERO; count + BEYOND + 1];
         for (row, slopes) in self.slopes.iter().enumerate() {
             let x = self.nodes.get(row).map_or(1.0, |node| node.0);
             let decay = exp(-s * (1.0 + x));
             system.integrals(x, decay, slopes, &mut integrals);
-            let target = &mut sources[row * count..][..count];
             for (integral, projection) in integrals.iter().zip(self.projection.chunks_exact(count)) {
                 let scaled = *integral * half;
-                target.iter_mut().zip(projection).for_each(|(sum, factor)| *sum += scaled * *factor);
+                for (column, factor) in sources.iter_mut().zip(projection) {
+                    column[0][row] += scaled.re * factor;
+                    column[1][row] += scaled.im * factor;
+                }
             }
-            passed.push(decay);
+            (passed[0][row], passed[1][row]) = (decay.re, decay.im);
         }
         Panel { sources, passed }
     }
@@ -158,6 +188,8 @@ fn legendre(x: f64, count: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
+
     use super::*;
 
     /// Polynomials as sources, by a fine rule.
@@ -174,10 +206,11 @@ mod tests {
         ] {
             let panel = rule.panel(1.0, extinction, 0.5);
             let values: Vec<f64> = rule.nodes.iter().map(|(x, _)| polynomial(*x)).collect();
+            let [re, im] =
+                dispatch!(Level::new(), simd => panel.light(simd, Complex64::ZERO, [&values, &[0.0; 6]]));
             for row in 0..7 {
                 let x = rule.nodes.get(row).map_or(1.0, |node| node.0);
-                let found: Complex64 =
-                    panel.sources[row * 6..][..6].iter().zip(&values).map(|(a, b)| *a * *b).sum();
+                let found = Complex64::new(re[row], im[row]);
                 let expected: Complex64 = fine
                     .iter()
                     .map(|(y, weight)| {

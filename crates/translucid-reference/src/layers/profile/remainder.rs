@@ -1,11 +1,13 @@
 //! Light of one wave number that leaves layers, less that which was scattered once and left straight.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f64x8};
+
 use super::super::Layers;
 use super::diffusion::Diffusion;
 use super::stack::{Resolution, Stack};
+use crate::walk::instruction_sets::dispatched;
 
-/// Norm of what is left over that of the first sources, at which a solution is one.
-const ENOUGH: f64 = 1e-7;
 /// Most steps.
 const STEPS: usize = 200;
 
@@ -27,14 +29,15 @@ pub(super) fn remainder(layers: &Layers, unit: f64, k: f64, resolution: &Resolut
     let straight = stack.straight(&first);
     let right = stack.scatter(&stack.sweep(&first));
     let diffusion = Diffusion::new(&stack, stack.reflectances());
-    let (rest, left) = solve(&stack, &diffusion, resolution.orders, &right);
+    let (rest, left) = solve(&stack, &diffusion, resolution, &right);
     let sources: Vec<f64> = first.iter().zip(&rest).map(|(a, b)| a + b).collect();
     let exits = stack.sweep(&sources).exits;
     Remainder { rest: [exits[0] - straight[0], exits[1] - straight[1]], straight, left }
 }
 
 /// S with S − (what S scatters to) = `right`, by Y. Saad and M. H. Schultz 1986, *GMRES*, preconditioned from the right.
-fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> (Vec<f64>, f64) {
+fn solve(stack: &Stack, diffusion: &Diffusion, resolution: &Resolution, right: &[f64]) -> (Vec<f64>, f64) {
+    let orders = resolution.orders;
     let norm = dot(right, right).sqrt();
     if norm == 0.0 {
         return (right.to_vec(), 0.0);
@@ -43,7 +46,7 @@ fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> 
     // Columns of the triangle, rotations, and the right side as they turn it
     let (mut columns, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
     let mut turned = vec![norm];
-    while columns.len() < STEPS && turned[columns.len()].abs() > ENOUGH * norm {
+    while columns.len() < STEPS && turned[columns.len()].abs() > resolution.enough * norm {
         let step = columns.len();
         let guess = preconditioned(stack, diffusion, orders, &basis[step]);
         let scattered = stack.scatter(&stack.sweep(&guess));
@@ -51,7 +54,7 @@ fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> 
         let mut column = Vec::with_capacity(step + 2);
         for vector in &basis {
             let along = dot(vector, &next);
-            next.iter_mut().zip(vector).for_each(|(x, v)| *x -= along * v);
+            add(&mut next, -along, vector);
             column.push(along);
         }
         let length = dot(&next, &next).sqrt();
@@ -80,7 +83,7 @@ fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> 
     }
     let mut sum = vec![0.0; right.len()];
     for (vector, factor) in basis.iter().zip(&factors) {
-        sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += factor * x);
+        add(&mut sum, *factor, vector);
     }
     (preconditioned(stack, diffusion, orders, &sum), left)
 }
@@ -92,7 +95,34 @@ fn preconditioned(stack: &Stack, diffusion: &Diffusion, orders: usize, vector: &
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    dispatched!(Level::new(), simd => dot_by(simd, a, b), narrow => dot_by(simd, a, b))
+}
+
+/// In eight sums, whatever vectors there are: one alone would wait for each addition.
+#[inline(always)]
+fn dot_by<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> f64 {
+    let (chunks, others) = (a.chunks_exact(8), b.chunks_exact(8));
+    let mut rest: f64 = chunks.remainder().iter().zip(others.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = f64x8::splat(simd, 0.0);
+    for (a, b) in chunks.zip(others) {
+        sums += f64x8::from_slice(simd, a) * f64x8::from_slice(simd, b);
+    }
+    for sum in sums.to_array() {
+        rest += sum;
+    }
+    rest
+}
+
+/// Adds a multiple of a vector to a sum.
+fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
+    dispatched!(Level::new(), _simd => add_in_lanes(sum, factor, vector), narrow => add_in_lanes(sum, factor, vector));
+}
+
+#[inline(always)]
+fn add_in_lanes(sum: &mut [f64], factor: f64, vector: &[f64]) {
+    for (sum, x) in sum.iter_mut().zip(vector) {
+        *sum += factor * x;
+    }
 }
 
 fn scaled(vector: &[f64], factor: f64) -> Vec<f64> {

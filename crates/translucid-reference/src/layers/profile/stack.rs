@@ -13,6 +13,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use fearless_simd::{Level, Simd};
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
@@ -23,6 +24,7 @@ use super::super::{Ground, Layer, Layers};
 use super::chain::{Exits, Pass, beam, etas, reflect, straight};
 use super::depths::{ends_to, in_unit};
 use super::panel::{Panel, PanelRule};
+use crate::walk::instruction_sets::dispatched;
 
 /// How finely light is resolved.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +39,8 @@ pub(super) struct Resolution {
     pub(super) azimuths: usize,
     /// Nodes of a panel of depths.
     pub(super) nodes: usize,
+    /// Norm of what is left over that of the first sources, at which a solution is one.
+    pub(super) enough: f64,
 }
 
 /// Layers under a beam, for one wave number.
@@ -87,10 +91,13 @@ pub(super) struct Sheet {
 struct Stream {
     through: Complex64,
     /// Part of light from the upper face that gets to each depth.
-    reached: Vec<Complex64>,
+    reached: Parts,
     /// Distinct panels.
     panels: Vec<Panel>,
 }
+
+/// Real and imaginary parts.
+type Parts = [Vec<f64>; 2];
 
 /// Rule of azimuths.
 struct Azimuths {
@@ -186,11 +193,17 @@ impl Stack {
 
     /// Light of sources.
     pub(super) fn sweep(&self, sources: &[f64]) -> Swept {
+        // The same products and sums, and so the same bits, with vectors of any width
+        dispatched!(Level::new(), simd => self.sweep_by(simd, sources), narrow => self.sweep_by(simd, sources))
+    }
+
+    #[inline(always)]
+    fn sweep_by<S: Simd>(&self, simd: S, sources: &[f64]) -> Swept {
         let mut swept = Swept { light: vec![0.0; self.size], exits: [0.0; 2] };
         let ground = sources[self.size - 1];
         let azimuths = self.azimuths.weights.len();
         for (ray, faces) in self.faces.iter().enumerate() {
-            let mut fields = self.fields(ray, sources);
+            let mut fields = self.fields(simd, ray, sources);
             for azimuth in 0..azimuths {
                 let mut passes: Vec<Pass> = fields.iter().map(|field| field.passes[azimuth]).collect();
                 let exits = reflect(faces, &mut passes, Complex64::ZERO, ground.into());
@@ -211,9 +224,14 @@ impl Stack {
 
     /// Flux of sources that leaves above, and arrives below, without a reflection.
     pub(super) fn straight(&self, sources: &[f64]) -> [f64; 2] {
+        dispatched!(Level::new(), simd => self.straight_by(simd, sources), narrow => self.straight_by(simd, sources))
+    }
+
+    #[inline(always)]
+    fn straight_by<S: Simd>(&self, simd: S, sources: &[f64]) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for (ray, faces) in self.faces.iter().enumerate() {
-            let fields = self.fields(ray, sources);
+            let fields = self.fields(simd, ray, sources);
             for azimuth in 0..self.azimuths.weights.len() {
                 let passes: Vec<Pass> = fields.iter().map(|field| field.passes[azimuth]).collect();
                 self.add_exits(ray, azimuth, straight(faces, &passes), &mut sums);
@@ -245,66 +263,81 @@ impl Stack {
     }
 
     /// Light of a ray from sources in each layer, without what comes in.
-    fn fields(&self, ray: usize, sources: &[f64]) -> Vec<Field> {
-        let azimuths = self.azimuths.weights.len();
-        let field = |sheet: &Sheet| {
-            let nodes = sheet.depths.len();
-            let mut field = Field {
-                light: [0, 1].map(|_| vec![Complex64::ZERO; azimuths * nodes]),
-                passes: vec![Pass::default(); azimuths],
-            };
-            if ray >= sheet.cosines.len() {
-                return field;
+    #[inline(always)]
+    fn fields<S: Simd>(&self, simd: S, ray: usize, sources: &[f64]) -> Vec<Field> {
+        let mut fields = Vec::with_capacity(self.sheets.len());
+        for sheet in &self.sheets {
+            fields.push(self.field(simd, sheet, ray, sources));
+        }
+        fields
+    }
+
+    #[inline(always)]
+    fn field<S: Simd>(&self, simd: S, sheet: &Sheet, ray: usize, sources: &[f64]) -> Field {
+        let (azimuths, nodes) = (self.azimuths.weights.len(), sheet.depths.len());
+        let mut field = Field {
+            light: [0, 1].map(|_| [0, 1].map(|_| vec![0.0; azimuths * nodes])),
+            passes: vec![Pass::default(); azimuths],
+        };
+        if ray >= sheet.cosines.len() {
+            return field;
+        }
+        let [mut parities, mut ways] = [0, 1].map(|_| [0, 1].map(|_| [0, 1].map(|_| vec![0.0; nodes])));
+        for azimuth in 0..azimuths {
+            let stream = &sheet.streams[ray * azimuths + azimuth];
+            let pass = &mut field.passes[azimuth];
+            pass.through = stream.through;
+            if nodes == 0 {
+                continue;
             }
-            for azimuth in 0..azimuths {
-                let stream = &sheet.streams[ray * azimuths + azimuth];
-                let pass = &mut field.passes[azimuth];
-                pass.through = stream.through;
-                if nodes == 0 {
-                    continue;
-                }
-                let mut parities = [vec![Complex64::ZERO; nodes], vec![Complex64::ZERO; nodes]];
-                let harmonics = &self.azimuths.harmonics[azimuth * self.orders..][..self.orders];
-                for (parity, sums) in parities.iter_mut().enumerate() {
-                    for (order, harmonic) in harmonics.iter().enumerate() {
-                        let factor = if order == 0 { 0.5 } else { *harmonic };
-                        let row = &sources[sheet.place(self.orders, parity, order, ray)..][..nodes];
-                        if order % 2 == 0 {
-                            sums.iter_mut().zip(row).for_each(|(sum, s)| sum.re += factor * s);
-                        } else {
-                            sums.iter_mut().zip(row).for_each(|(sum, s)| sum.im += factor * s);
-                        }
+            let harmonics = &self.azimuths.harmonics[azimuth * self.orders..][..self.orders];
+            for (parity, parts) in parities.iter_mut().enumerate() {
+                parts.iter_mut().for_each(|part| part.fill(0.0));
+                for (order, harmonic) in harmonics.iter().enumerate() {
+                    let factor = if order == 0 { 0.5 } else { *harmonic };
+                    let row = &sources[sheet.place(self.orders, parity, order, ray)..][..nodes];
+                    for (sum, s) in parts[order % 2].iter_mut().zip(row) {
+                        *sum += factor * s;
                     }
                 }
-                let down: Vec<Complex64> = parities[0].iter().zip(&parities[1]).map(|(a, b)| a + b).collect();
-                let up: Vec<Complex64> =
-                    parities[0].iter().zip(&parities[1]).map(|(a, b)| a - b).rev().collect();
-                let [light_up, light_down] = &mut field.light;
-                pass.leaving[1] =
-                    sheet.stream(stream, &down, &mut light_down[azimuth * nodes..][..nodes], false);
-                pass.leaving[0] = sheet.stream(stream, &up, &mut light_up[azimuth * nodes..][..nodes], true);
             }
-            field
-        };
-        self.sheets.iter().map(field).collect()
+            let [up, down] = &mut ways;
+            for part in 0..2 {
+                let both = parities[0][part].iter().zip(&parities[1][part]);
+                for ((a, b), (down, up)) in both.zip(down[part].iter_mut().zip(up[part].iter_mut().rev())) {
+                    (*down, *up) = (a + b, a - b);
+                }
+            }
+            for (way, light) in field.light.iter_mut().enumerate() {
+                let light = light.each_mut().map(|part| &mut part[azimuth * nodes..][..nodes]);
+                pass.leaving[way] = sheet.stream(simd, stream, &ways[way], light, way == 0);
+            }
+        }
+        field
     }
 
     /// Adds the orders of a ray's light.
+    #[inline(always)]
     fn add_orders(&self, sheet: &Sheet, ray: usize, field: &Field, light: &mut [f64]) {
         let nodes = sheet.depths.len();
+        let mut parities = [0, 1].map(|_| [0, 1].map(|_| vec![0.0; nodes]));
         for (azimuth, weight) in self.azimuths.weights.iter().enumerate() {
             let harmonics = &self.azimuths.harmonics[azimuth * self.orders..][..self.orders];
-            let up = field.light[0][azimuth * nodes..][..nodes].iter().rev();
-            let down = field.light[1][azimuth * nodes..][..nodes].iter();
-            let both: Vec<[Complex64; 2]> = down.zip(up).map(|(down, up)| [down + up, down - up]).collect();
-            for parity in 0..2 {
+            let [sums, differences] = &mut parities;
+            for part in 0..2 {
+                let [up, down] =
+                    field.light.each_ref().map(|way| way[part][azimuth * nodes..][..nodes].iter());
+                let both = sums[part].iter_mut().zip(&mut differences[part]);
+                for ((sum, difference), (down, up)) in both.zip(down.zip(up.rev())) {
+                    (*sum, *difference) = (down + up, down - up);
+                }
+            }
+            for (parity, parts) in parities.iter().enumerate() {
                 for (order, harmonic) in harmonics.iter().enumerate() {
                     let factor = weight * harmonic * (2.0 / PI);
                     let row = &mut light[sheet.place(self.orders, parity, order, ray)..][..nodes];
-                    if order % 2 == 0 {
-                        row.iter_mut().zip(&both).for_each(|(sum, x)| *sum += factor * x[parity].re);
-                    } else {
-                        row.iter_mut().zip(&both).for_each(|(sum, x)| *sum += factor * x[parity].im);
+                    for (sum, x) in row.iter_mut().zip(&parts[order % 2]) {
+                        *sum += factor * x;
                     }
                 }
             }
@@ -313,6 +346,11 @@ impl Stack {
 
     /// Sources of light that light makes by being scattered once more.
     pub(super) fn scatter(&self, swept: &Swept) -> Vec<f64> {
+        dispatched!(Level::new(), _simd => self.scatter_in_lanes(swept), narrow => self.scatter_in_lanes(swept))
+    }
+
+    #[inline(always)]
+    fn scatter_in_lanes(&self, swept: &Swept) -> Vec<f64> {
         let mut sources = vec![0.0; self.size];
         for sheet in &self.sheets {
             let (block, nodes) = (sheet.block(), sheet.depths.len());
@@ -325,7 +363,9 @@ impl Stack {
                         target.chunks_exact_mut(nodes).zip(kernel.chunks_exact(sheet.cosines.len()))
                     {
                         for (factor, light) in kernel.iter().zip(light.chunks_exact(nodes)) {
-                            row.iter_mut().zip(light).for_each(|(sum, x)| *sum += factor * x);
+                            for (sum, x) in row.iter_mut().zip(light) {
+                                *sum += factor * x;
+                            }
                         }
                     }
                 }
@@ -340,22 +380,25 @@ impl Stack {
 /// Light of one ray in one layer.
 struct Field {
     /// Up, from the lower face on, and down, by azimuth, then depth.
-    light: [Vec<Complex64>; 2],
+    light: [Parts; 2],
     passes: Vec<Pass>,
 }
 
 impl Field {
+    #[inline(always)]
     fn add_incoming(&mut self, sheet: &Sheet, ray: usize) {
         let nodes = sheet.depths.len();
         for (azimuth, pass) in self.passes.iter().enumerate() {
             let stream = &sheet.streams[ray * self.passes.len() + azimuth];
             let [down, up] = pass.incoming;
-            for (light, incoming) in self.light.iter_mut().zip([up, down]) {
-                let light = &mut light[azimuth * nodes..][..nodes];
-                light
-                    .iter_mut()
-                    .zip(&stream.reached)
-                    .for_each(|(light, reached)| *light += incoming * reached);
+            let [reached_re, reached_im] = &stream.reached;
+            for ([light_re, light_im], incoming) in self.light.iter_mut().zip([up, down]) {
+                let light = light_re[azimuth * nodes..][..nodes].iter_mut();
+                let reached = reached_re.iter().zip(reached_im);
+                for ((re, im), (a, b)) in light.zip(&mut light_im[azimuth * nodes..][..nodes]).zip(reached) {
+                    *re += incoming.re * a - incoming.im * b;
+                    *im += incoming.re * b + incoming.im * a;
+                }
             }
         }
     }
@@ -400,12 +443,14 @@ impl Sheet {
                 let sigma = Complex64::new(extinction, k * sine * cosine);
                 let distinct: Vec<Panel> =
                     widths.iter().map(|width| rule.panel(*width, sigma, *mu)).collect();
-                let mut reached = Vec::with_capacity(depths.len());
+                let mut reached = [0, 1].map(|_| Vec::with_capacity(depths.len()));
                 let mut through = Complex64::ONE;
                 for panel in &panels {
-                    let (end, inside) = distinct[*panel].passed.split_last().expect("an end");
-                    reached.extend(inside.iter().map(|passed| through * passed));
-                    through *= end;
+                    let [re, im] = &distinct[*panel].passed;
+                    let passed = |node: usize| through * Complex64::new(re[node], im[node]);
+                    reached[0].extend((0..rule.nodes.len()).map(|node| passed(node).re));
+                    reached[1].extend((0..rule.nodes.len()).map(|node| passed(node).im));
+                    through = passed(rule.nodes.len());
                 }
                 if panels.is_empty() {
                     through = crate::exact::complex::exp(-sigma * (layer.thickness / mu));
@@ -472,11 +517,13 @@ impl Sheet {
     }
 
     /// Light at all depths in the direction of a stream; returns what leaves.
-    fn stream(
+    #[inline(always)]
+    fn stream<S: Simd>(
         &self,
+        simd: S,
         stream: &Stream,
-        sources: &[Complex64],
-        light: &mut [Complex64],
+        sources: &Parts,
+        [light_re, light_im]: [&mut [f64]; 2],
         is_reversed: bool,
     ) -> Complex64 {
         let per_panel = self.per_panel();
@@ -484,16 +531,12 @@ impl Sheet {
         let mut arriving = Complex64::ZERO;
         for i in 0..count {
             let number = self.panels[if is_reversed { count - 1 - i } else { i }];
-            let panel = &stream.panels[number];
-            let sources = &sources[i * per_panel..][..per_panel];
-            let sum = |row: usize| -> Complex64 {
-                let row = &panel.sources[row * per_panel..][..per_panel];
-                row.iter().zip(sources).map(|(a, b)| a * b).sum()
-            };
-            for (row, light) in light[i * per_panel..][..per_panel].iter_mut().enumerate() {
-                *light = arriving * panel.passed[row] + sum(row);
-            }
-            arriving = arriving * panel.passed[per_panel] + sum(per_panel);
+            let place = i * per_panel..(i + 1) * per_panel;
+            let sources = sources.each_ref().map(|part| &part[place.clone()]);
+            let [re, im] = stream.panels[number].light(simd, arriving, sources);
+            light_re[place.clone()].copy_from_slice(&re[..per_panel]);
+            light_im[place].copy_from_slice(&im[..per_panel]);
+            arriving = Complex64::new(re[per_panel], im[per_panel]);
         }
         arriving
     }

@@ -1,6 +1,7 @@
 //! Tests of the profiles: by the exact half space, equal layers, totals, and a slow walk in layers.
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use translucid_testing::is_thorough;
 
@@ -255,6 +256,52 @@ fn half_space_under_a_face_has_the_exact_profile() {
     }
 }
 
+/// Coarser rules keep to their errors, and to 0.005 for the layers of `profile_within`'s doc comment.
+#[test]
+fn quick_profiles_keep_to_their_errors() {
+    let skin = |scattering, absorption, thickness| {
+        Layer::new(scattering, absorption, thickness).with_g(0.8).with_eta(1.4)
+    };
+    let endless = (vec![skin(20.0, 1.5, 0.1), skin(15.0, 0.1, f64::INFINITY)], Ground::None);
+    let mut stacks: Vec<(Vec<Layer>, Ground)> = stacks().into();
+    stacks.extend([endless, (vec![skin(8.0, 0.2, 0.2), skin(10.0, 0.1, 0.3)], Ground::AIR)]);
+    for (layers, ground) in stacks {
+        let layers = Layers::new(1.0, layers, ground).unwrap();
+        let quick = layers.profile_within(5e-3, &Control::default()).unwrap().unwrap();
+        let fine = layers.profile().unwrap();
+        for r in [0.005, 0.01, 0.03, 0.1, 0.3, 0.5] {
+            for function in [LayersProfile::reflectance, LayersProfile::transmittance] {
+                let [quick, fine] = [&quick, &fine].map(|profile| function(profile, r));
+                let off = (quick.value - fine.value).abs();
+                assert!(off <= quick.error + fine.error, "{ground:?} {r}: {quick:?} {fine:?}");
+            }
+            let [quick, fine] = [&quick, &fine].map(|profile| profile.reflectance(r).value);
+            let off = (quick / fine - 1.0).abs();
+            assert!(off < 5e-3 || r < 0.01, "{ground:?} {r}: {quick} {fine}");
+        }
+    }
+}
+
+#[test]
+fn profiles_are_watched_and_stopped() {
+    let face = vec![Layer::new(1.0, 0.1, 1.0).with_eta(1.4)];
+    for layers in [face, vec![Layer::new(1.0, 0.1, 1.0)]] {
+        let layers = Layers::new(1.0, layers, Ground::AIR).unwrap();
+        let [stop, most] = [AtomicBool::new(false), AtomicBool::new(false)];
+        let progress = |part: u64| most.store(part >= 1000, Ordering::Relaxed);
+        let control = Control { stop: &stop, progress: &progress, deadline: None };
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert!(one.install(|| layers.profile_within(0.1, &control).unwrap().is_some()));
+        assert!(most.load(Ordering::Relaxed));
+        stop.store(true, Ordering::Relaxed);
+        assert!(layers.profile_within(0.1, &control).unwrap().is_none());
+        for tolerance in [0.0, f64::NAN, 0.2] {
+            let error = layers.profile_within(tolerance, &control).unwrap_err().to_string();
+            assert!(error.starts_with("tolerance is "), "{error}");
+        }
+    }
+}
+
 /// g with faces, by photons one by one in rings: the walk shares no code with the solution.
 #[test]
 fn layers_with_g_and_faces_are_those_of_the_walk() {
@@ -272,8 +319,7 @@ fn layers_with_g_and_faces_are_those_of_the_walk() {
         let profile = layers.profile().unwrap();
         let totals = layers.totals(Incidence::NORMAL).unwrap();
         let grid = crate::layers::Grid { dz: 1.0, dr: 0.08, nz: 1, nr: 10, na: 1 };
-        let tally =
-            layers.walk(Incidence::NORMAL, grid, photons, 5, &crate::walk::Control::default()).unwrap();
+        let tally = layers.walk(Incidence::NORMAL, grid, photons, 5, &Control::default()).unwrap();
         for ring in 0..9 {
             let inner = grid.dr * ring as f64;
             let mean = |function: fn(&LayersProfile, f64) -> Estimate| {
@@ -324,6 +370,7 @@ fn extremes_give_numbers() {
         (vec![Layer::new(0.01, 0.0, 200.0).with_eta(1.5)], Ground::Lambertian { reflectance: 1.0 }),
         (vec![Layer::new(1.0, 0.0, 1e5).with_eta(1.3)], Ground::AIR),
         (vec![Layer::new(1e-3, 0.0, 1e-9).with_g(-0.5)], Ground::BLACK),
+        (vec![Layer::new(1e-300, 0.0, 1.0)], Ground::AIR),
         (vec![Layer::new(1.0, 0.0, f64::INFINITY).with_moments(vec![0.0, 0.1])], Ground::None),
     ] {
         let profile = profile(layers, ground);

@@ -1,5 +1,7 @@
 //! What judges the totals: closed solutions, other programs, published figures, laws.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_testing::is_thorough;
 
@@ -203,7 +205,9 @@ fn error_covers_finer_rules() {
         let layers = Layers::new(1.0, stack, Ground::Lambertian { reflectance: 0.7 }).unwrap();
         for incidence in INCIDENCES {
             let totals = layers.totals(incidence).unwrap();
-            let finer = layers.totals_by(&Rays::new(&layers, 72, layers.beam(incidence).unwrap()));
+            let finer = layers
+                .totals_by(&Rays::new(&layers, 72, layers.beam(incidence).unwrap()), &mut || true)
+                .unwrap();
             let off = totals.difference(&finer);
             assert!(off < totals.error && totals.error < 1e-6, "{totals:?} {off:e}");
         }
@@ -214,7 +218,9 @@ fn error_covers_finer_rules() {
         let layers = Layers::new(1.0, vec![layer], Ground::AIR).unwrap();
         for incidence in INCIDENCES {
             let totals = layers.totals(incidence).unwrap();
-            let finer = layers.totals_by(&Rays::new(&layers, 100, layers.beam(incidence).unwrap()));
+            let finer = layers
+                .totals_by(&Rays::new(&layers, 100, layers.beam(incidence).unwrap()), &mut || true)
+                .unwrap();
             let off = totals.difference(&finer);
             assert!(off < totals.error && totals.error < 1e-5, "{g} {eta}: {totals:?} {off:e}");
         }
@@ -247,4 +253,24 @@ fn what_the_rules_cannot_hold_is_refused() {
             assert!(totals.error < 1e-4, "{scattering} {absorption}: {totals:?}");
         }
     }
+}
+
+#[test]
+fn totals_are_as_close_as_asked_for_and_can_be_stopped() {
+    let layers: Vec<Layer> =
+        (0..12).map(|i| Layer::new(3.0, 0.1, 0.2).with_g(0.7).with_eta(1.0 + 0.1 * f64::from(i))).collect();
+    let layers = Layers::new(1.0, layers, Ground::AIR).unwrap();
+    let [stop, most] = [AtomicBool::new(false), AtomicBool::new(false)];
+    let progress = |part: u64| most.store(part >= 1000, Ordering::Relaxed);
+    let control = Control { stop: &stop, progress: &progress, deadline: None };
+    let fine = layers.totals_within(1e-12, Incidence::Cosine, &control).unwrap().unwrap();
+    assert!(most.load(Ordering::Relaxed));
+    let coarse = layers.totals_within(1e-2, Incidence::Cosine, &control).unwrap().unwrap();
+    assert!(!most.load(Ordering::Relaxed), "the finest rule is left out");
+    let off = (coarse.diffuse_reflectance - fine.diffuse_reflectance).abs();
+    assert!(fine.error < coarse.error && coarse.error < 1e-2 && off < coarse.error, "{coarse:?} {fine:?}");
+    stop.store(true, Ordering::Relaxed);
+    assert_eq!(layers.totals_within(1e-2, Incidence::Cosine, &control).unwrap(), None);
+    let error = layers.totals_within(f64::NAN, Incidence::Cosine, &control).unwrap_err().to_string();
+    assert!(error.starts_with("tolerance is NaN"), "{error}");
 }

@@ -158,6 +158,10 @@ impl Places {
     pub(super) fn sum_up(&self, sums: &mut [f64]) {
         use Quantity as Q;
         let of = |quantity| self.of(quantity).start;
+        if !self.grid.has_map() {
+            // One cell holds all
+            sums[of(Q::AbsorbedByRingAndDepth)] = sums[self.of(Q::AbsorbedByLayer)].iter().sum();
+        }
         for (cells, columns, by_row, by_column) in [
             (Q::ReflectedByRingAndAngle, self.grid.na, Some(Q::ReflectedByRing), Q::ReflectedByAngle),
             (Q::TransmittedByRingAndAngle, self.grid.na, Some(Q::TransmittedByRing), Q::TransmittedByAngle),

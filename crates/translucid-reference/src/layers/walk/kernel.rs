@@ -20,6 +20,8 @@
 //! 3. Reflection mirrors the end of the flight, where it then lies inside. Between two faces that both reflect
 //!    totally a flight is folded at once, however many reflections it has.
 //! 4. At a face to another layer the rest of the flight is forgotten: an exponential distance has no memory.
+//! 5. Where several absorptions are asked for, collisions absorb nothing, and each photon has a weight for each of them,
+//!    which its way through a layer lowers when it leaves the layer, and now and then; see `many_weights`.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +30,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, mask32x16};
 
 use super::grid::{Places, Quantity};
+use super::many_weights::{Absorptions, ManyWeights};
 use super::medium::{Beyond, Cells, Face, Medium};
 use super::tally::Batch;
 use crate::walk::edge_search::EdgeSearch;
@@ -65,6 +68,8 @@ pub(super) struct Setup {
     pub(super) source: PhotonSource,
     /// Layer in which photons start.
     pub(super) first: usize,
+    /// Absorptions that are walked at once, in media without absorption.
+    pub(super) absorptions: Option<Absorptions>,
 }
 
 /// Walks the photons of a range; nothing if `stop` became true.
@@ -89,20 +94,23 @@ struct Walk<'a, S: Simd> {
     stop: &'a AtomicBool,
     /// Photons not launched yet.
     waiting: Range<u64>,
-    /// Photons about to fly, by layer; `left` counts the collisions to come, `budget` has the bits of the weight.
+    /// Photons about to fly, by layer; `left` counts the collisions to come, `budget` has the bits of the weight, or the
+    /// place of several.
     stacks: Vec<Box<Photons>>,
     /// Photons launched that have not ended.
     under_way: usize,
     batch: Batch,
+    many: Option<ManyWeights<'a>>,
 }
 
 impl<'a, S: Simd> Walk<'a, S> {
     #[inline(always)]
     fn new(simd: S, setup: &'a Setup, stop: &'a AtomicBool, waiting: Range<u64>) -> Self {
         let stacks = setup.media.iter().map(|_| Photons::none()).collect();
-        let sums = vec![0.0; setup.places.count()];
+        let many = setup.absorptions.as_ref().map(|sets| ManyWeights::new(sets, &setup.places, BLOCK));
+        let sums = vec![0.0; if many.is_some() { 0 } else { setup.places.count() }];
         let batch = Batch { photons: waiting.end - waiting.start, collisions: 0, sums };
-        Self { simd, setup, stop, waiting, stacks, under_way: 0, batch }
+        Self { simd, setup, stop, waiting, stacks, under_way: 0, batch, many }
     }
 
     #[inline(always)]
@@ -116,7 +124,8 @@ impl<'a, S: Simd> Walk<'a, S> {
                 return None;
             }
             if count == 0 {
-                return Some(self.batch);
+                let sums = self.many.map_or(self.batch.sums, |many| many.sums);
+                return Some(Batch { sums, ..self.batch });
             }
             match self.setup.media[layer].phase_function {
                 PhaseFunction::HenyeyGreenstein { g: 0.0 } if !NARROW => self.work(layer, Isotropic),
@@ -148,7 +157,11 @@ impl<'a, S: Simd> Walk<'a, S> {
             let mut streams = Stream::of_16(simd, self.setup.key, index);
             let directions = self.setup.source.directions(simd, &mut streams);
             let zero = Floats::splat(simd, 0.0);
-            let (left, budget) = (Words::splat(simd, MOST_COLLISIONS), Floats::splat(simd, 1.0).bitcast());
+            let left = Words::splat(simd, MOST_COLLISIONS);
+            let budget = match &mut self.many {
+                Some(many) => Words::from_slice(simd, &many.begin(count as usize)),
+                None => Floats::splat(simd, 1.0).bitcast(),
+            };
             let group = Group { x: zero, y: zero, z: zero, directions, streams, left, budget };
             push(&mut self.stacks[self.setup.first], &group, count as usize);
             self.under_way += count as usize;
@@ -182,6 +195,14 @@ impl<'a, S: Simd> Walk<'a, S> {
             // Collide
             let collides = all & !gone;
             self.batch.collisions += u64::from(collides.count_ones());
+            if let Some(many) = &mut self.many {
+                many.fly(collides, photons.budget.to_array(), flight.to_array());
+                let due = (photons.left & (STEPS - 1)).simd_eq(1).to_bitmask() & collides;
+                if due != 0 {
+                    many.absorb(layer, due, photons.budget.to_array(), [0.0; LANES]);
+                    gone |= self.roulette_of_many(&mut photons, due);
+                }
+            }
             if medium.absorbed > 0.0 {
                 let weights: Floats<S> = photons.budget.bitcast();
                 let mask: mask32x16<S> = mask32x16::from_bitmask(simd, collides);
@@ -200,7 +221,7 @@ impl<'a, S: Simd> Walk<'a, S> {
             photons.left -= 1;
             let worn = photons.left.simd_eq(0).to_bitmask() & all & !gone;
             if worn != 0 {
-                self.give_up(photons.budget, worn);
+                self.give_up(layer, photons.budget, [0.0; LANES], worn);
                 gone |= worn;
             }
             photons.directions = {
@@ -235,7 +256,9 @@ impl<'a, S: Simd> Walk<'a, S> {
 
     fn add_absorbed(&mut self, layer: usize, absorbed: Floats<S>) {
         let sum: f64 = absorbed.to_array().iter().map(|value| f64::from(*value)).sum();
-        self.batch.sums[self.setup.places.of(Quantity::AbsorbedByLayer).start + layer] += sum;
+        if self.many.is_none() {
+            self.batch.sums[self.setup.places.of(Quantity::AbsorbedByLayer).start + layer] += sum;
+        }
     }
 
     /// Counts absorbed light where it is.
@@ -267,14 +290,38 @@ impl<'a, S: Simd> Walk<'a, S> {
         ended
     }
 
-    /// Gives photons up.
+    /// [`roulette`](Self::roulette) of photons with several weights, by the greatest.
+    #[inline(never)]
+    fn roulette_of_many(&mut self, photons: &mut Group<S>, mask: u64) -> u64 {
+        let Some(many) = &mut self.many else { return 0 };
+        let faint = many.faint(mask, photons.budget.to_array(), FAINT);
+        if faint == 0 {
+            return 0;
+        }
+        let faint_lanes: mask32x16<S> = mask32x16::from_bitmask(self.simd, faint);
+        let survives = draw(photons, faint_lanes).simd_le(SURVIVAL).to_bitmask();
+        many.scale(faint & survives, photons.budget.to_array(), 1.0 / SURVIVAL);
+        let ended = faint & !survives;
+        many.end(ended, photons.budget.to_array());
+        self.under_way -= ended.count_ones() as usize;
+        ended
+    }
+
+    /// Gives photons up; those with several weights after one more way in the layer.
     #[cold]
     #[inline(never)]
-    fn give_up(&mut self, weights: Words<S>, worn: u64) {
+    fn give_up(&mut self, layer: usize, weights: Words<S>, ways: [f32; LANES], worn: u64) {
+        self.under_way -= worn.count_ones() as usize;
+        if let Some(many) = &mut self.many {
+            many.absorb(layer, worn, weights.to_array(), ways);
+            let lost = self.setup.places.of(Quantity::Lost).start;
+            lanes_of(worn).for_each(|lane| many.add(weights[lane], lost, 1.0));
+            many.end(worn, weights.to_array());
+            return;
+        }
         let weights: Floats<S> = weights.bitcast();
         let lost = &mut self.batch.sums[self.setup.places.of(Quantity::Lost).start];
         *lost += lanes_of(worn).map(|lane| f64::from(weights[lane])).sum::<f64>();
-        self.under_way -= worn.count_ones() as usize;
     }
 
     /// Takes photons that fly beyond a face from their start, a place and the cosine, to it, and through it or back; which
@@ -292,6 +339,8 @@ impl<'a, S: Simd> Walk<'a, S> {
         let Directions { x: ux, y: uy, .. } = photons.directions;
         let mask: mask32x16<S> = mask32x16::from_bitmask(simd, crossed);
         let (mut rest, mut crossing, mut gone) = (flight, mask, 0);
+        // Not flight less rest, of which a clear layer would leave nothing
+        let mut way = Floats::splat(simd, 0.0);
         for faces in 0.. {
             // Go to the face
             let down = uz.simd_gt(0.0);
@@ -300,10 +349,14 @@ impl<'a, S: Simd> Walk<'a, S> {
             x = crossing.select(to_face.fused_mul_add(ux, x), x);
             y = crossing.select(to_face.fused_mul_add(uy, y), y);
             z = crossing.select(face, z);
+            way += to_face;
 
             // Pass it or not
             let passes = passes(simd, &medium, photons, uz, down, crossing);
             let (upwards, downwards) = ((passes & !down).to_bitmask(), (passes & down).to_bitmask());
+            if let Some(many) = &mut self.many {
+                many.absorb(layer, upwards | downwards, photons.budget.to_array(), way.to_array());
+            }
             let on_face = Group { x, y, z, directions: Directions { x: ux, y: uy, z: uz }, ..*photons };
             if upwards != 0 {
                 self.pass(layer, &medium.above, on_face, upwards);
@@ -329,7 +382,10 @@ impl<'a, S: Simd> Walk<'a, S> {
                     _ => mask32x16::splat(simd, false),
                 };
                 if ended.any_true() {
-                    self.give_up(photons.budget, ended.to_bitmask());
+                    // Without an end, and without a collision
+                    let clear = Floats::splat(simd, f32::INFINITY);
+                    let ways = if medium.is_clear() { clear } else { way };
+                    self.give_up(layer, photons.budget, ways.to_array(), ended.to_bitmask());
                     gone |= ended.to_bitmask();
                     crossing &= !ended;
                 }
@@ -369,7 +425,7 @@ impl<'a, S: Simd> Walk<'a, S> {
             }
             Beyond::Outside(side) => {
                 let radii = radius(photons.x, photons.y);
-                self.leave(side, radii, photons.directions.z.abs(), photons.budget.bitcast(), through);
+                self.leave(side, radii, photons.directions.z.abs(), photons.budget, through);
             }
             Beyond::Ground(reflectance) => self.meet_ground(reflectance, photons, through),
         }
@@ -377,7 +433,8 @@ impl<'a, S: Simd> Walk<'a, S> {
 
     /// Counts photons that leave.
     #[inline(always)]
-    fn leave(&mut self, side: Side, radii: Floats<S>, cosines: Floats<S>, weights: Floats<S>, through: u64) {
+    fn leave(&mut self, side: Side, radii: Floats<S>, cosines: Floats<S>, budget: Words<S>, through: u64) {
+        let weights: Floats<S> = budget.bitcast();
         let cells = match side {
             Side::Reflected => Quantity::ReflectedByRingAndAngle,
             Side::Transmitted => Quantity::TransmittedByRingAndAngle,
@@ -392,7 +449,14 @@ impl<'a, S: Simd> Walk<'a, S> {
             } else {
                 angles - 1 - self.setup.cosines.count_up_to(f64::from(cosines[lane]))
             };
-            self.batch.sums[start + rings[lane] as usize * angles + angle] += f64::from(weights[lane]);
+            let place = start + rings[lane] as usize * angles + angle;
+            match &mut self.many {
+                Some(many) => many.add(budget[lane], place, 1.0),
+                None => self.batch.sums[place] += f64::from(weights[lane]),
+            }
+        }
+        if let Some(many) = &mut self.many {
+            many.end(through, budget.to_array());
         }
         self.under_way -= through.count_ones() as usize;
     }
@@ -401,24 +465,38 @@ impl<'a, S: Simd> Walk<'a, S> {
     #[inline(never)]
     fn meet_ground(&mut self, reflectance: f32, mut photons: Group<S>, through: u64) {
         let simd = self.simd;
-        let weights: Floats<S> = photons.budget.bitcast();
-        let kept = weights * reflectance;
-        let absorbed = weights - kept;
-        let ground = &mut self.batch.sums[self.setup.places.of(Quantity::Ground).start];
-        *ground += lanes_of(through).map(|lane| f64::from(absorbed[lane])).sum::<f64>();
+        let start = self.setup.places.of(Quantity::Ground).start;
+        let budget = photons.budget;
+        if let Some(many) = &mut self.many {
+            lanes_of(through).for_each(|lane| many.add(budget[lane], start, 1.0 - reflectance));
+            many.scale(through, budget.to_array(), reflectance);
+        } else {
+            let weights: Floats<S> = budget.bitcast();
+            let kept = weights * reflectance;
+            let absorbed = weights - kept;
+            self.batch.sums[start] += lanes_of(through).map(|lane| f64::from(absorbed[lane])).sum::<f64>();
+            photons.budget = kept.bitcast();
+        }
         if reflectance == 0.0 {
+            if let Some(many) = &mut self.many {
+                many.end(through, budget.to_array());
+            }
             self.under_way -= through.count_ones() as usize;
             return;
         }
-        photons.budget = kept.bitcast();
         let cosine = unit(photons.streams.next()).sqrt();
         let (x, y) = circle(simd, photons.streams.next());
         let sine = complement(cosine);
         photons.directions = Directions { x: sine * x, y: sine * y, z: -cosine };
         let mut through = through;
-        let faint = kept.simd_lt(FAINT).to_bitmask() & through;
-        if faint != 0 {
-            through &= !self.roulette(&mut photons, faint);
+        if self.many.is_some() {
+            through &= !self.roulette_of_many(&mut photons, through);
+        } else {
+            let kept: Floats<S> = photons.budget.bitcast();
+            let faint = kept.simd_lt(FAINT).to_bitmask() & through;
+            if faint != 0 {
+                through &= !self.roulette(&mut photons, faint);
+            }
         }
         let photons = photons.compress(mask32x16::from_bitmask(simd, through));
         if let Some(stack) = self.stacks.last_mut() {

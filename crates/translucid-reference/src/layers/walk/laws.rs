@@ -169,15 +169,19 @@ fn walk_and_twin_agree() {
 /// No light comes or goes, but by roundings of single precision and by chance where weights are small.
 #[test]
 fn energy_is_kept() {
+    use Quantity as Q;
     for (name, layers, incidence) in cases() {
         let tally = walk(&layers, incidence, GRID, 60_000);
-        use Quantity as Q;
         let parts = [Q::Reflected, Q::Transmitted, Q::Absorbed, Q::Ground, Q::Lost];
         let sum = tally.specular() + parts.iter().map(|part| tally.total(*part).value).sum::<f64>();
         assert!((sum - 1.0).abs() < 1e-3, "{name}: {sum}");
         let cells: f64 = tally.all(Q::AbsorbedByRingAndDepth).map(|cell| cell.value).sum();
         assert!((cells - tally.total(Q::Absorbed).value).abs() < 1e-6, "{name}");
     }
+    let (_, layers_of_one, incidence) = cases().swap_remove(0);
+    let one = walk(&layers_of_one, incidence, Grid::TOTALS, 6_000);
+    let cell = one.total(Q::AbsorbedByRingAndDepth).value;
+    assert!(cell > 0.0 && (cell - one.total(Q::Absorbed).value).abs() < 1e-12, "the only cell holds all");
     // Without absorption there is no chance in it
     let white = [Layer::new(5.0, 0.0, 1.0).with_eta(1.4), Layer::new(2.0, 0.0, 2.0).with_g(0.6)];
     let tally = walk(&layers(&white, Ground::AIR), Incidence::NORMAL, Grid::TOTALS, 60_000);
@@ -411,4 +415,108 @@ fn errors_are_those_between_seeds() {
     assert!(mean > 0.99 && found.iter().all(|found| found.error > 0.0), "{found:?}");
     let ratio = (spread / stated).sqrt();
     assert!((0.61..1.39).contains(&ratio), "{ratio}");
+}
+
+/// One walk for several absorptions, against walks of each with other photons, and against the exact totals.
+///
+/// It makes some 400 comparisons more: false-alarm rate 0.2 %.
+#[test]
+fn absorptions_share_photons() {
+    use Quantity as Q;
+    let photons = power(400_000);
+    for (name, stack, incidence) in cases().into_iter().filter(|(_, stack, _)| scatters(stack)) {
+        let own: Vec<f64> = stack.layers().iter().map(|layer| layer.absorption).collect();
+        let more: Vec<f64> = own.iter().enumerate().map(|(i, value)| 3.0 * value + 0.2 * i as f64).collect();
+        let sets = [own, more];
+        let grid = Grid { nz: 1, dz: 1.0, ..GRID };
+        let control = Control::default();
+        let tallies = stack.walk_absorptions(&sets, incidence, grid, photons, 8, &control).unwrap();
+        for (set, (absorptions, tally)) in sets.iter().zip(&tallies).enumerate() {
+            let name = format!("{name}, set {set}");
+            let with =
+                |(layer, absorption): (&Layer, &f64)| Layer { absorption: *absorption, ..layer.clone() };
+            let list = stack.layers().iter().zip(absorptions).map(with).collect();
+            let stack = Layers::new(stack.eta_above(), list, stack.ground()).unwrap();
+            let alone = walk(&stack, incidence, grid, photons);
+            for quantity in
+                [Q::Transmitted, Q::Ground, Q::AbsorbedByLayer, Q::TransmittedByRing, Q::TransmittedByAngle]
+            {
+                for (i, (found, expected)) in tally.all(quantity).zip(alone.all(quantity)).enumerate() {
+                    // The shape of a distribution of few is not normal, and of none there is none
+                    if expected.value > 2e-4 {
+                        assert_near(&format!("{name}: {quantity:?} {i}"), found, expected);
+                    } else {
+                        assert!(found.value < 1e-3, "{name}: {quantity:?} {i}: {found:?} {expected:?}");
+                    }
+                }
+            }
+            // Light that a clear first layer reflects belongs to the one part or the other
+            if alone.specular() == tally.specular() {
+                for (i, (found, expected)) in
+                    tally.all(Q::ReflectedByRing).zip(alone.all(Q::ReflectedByRing)).enumerate()
+                {
+                    if expected.value > 2e-4 {
+                        assert_near(&format!("{name}: ring {i}"), found, expected);
+                    }
+                }
+            }
+            let totals = stack.totals(incidence).unwrap();
+            let reflected = tally.total(Q::Reflected);
+            let all = Estimate { value: tally.specular() + reflected.value, ..reflected };
+            assert_near(&name, all, exact(totals.specular_reflectance + totals.diffuse_reflectance));
+            for (i, (found, expected)) in tally.all(Q::AbsorbedByLayer).zip(&totals.absorbed).enumerate() {
+                // What few photons absorb is seldom seen
+                let error = found.error.max(1e-6);
+                assert_near(&format!("{name}: layer {i}"), Estimate { error, ..found }, exact(*expected));
+            }
+            let parts = [Q::Reflected, Q::Transmitted, Q::Absorbed, Q::Ground, Q::Lost];
+            let sum = tally.specular() + parts.iter().map(|part| tally.total(*part).value).sum::<f64>();
+            assert!((sum - 1.0).abs() < 1e-3, "{name}: {sum}");
+            assert!(tally.all(Q::AbsorbedByDepth).all(|part| part.value.is_nan() && part.error.is_nan()));
+        }
+    }
+}
+
+fn scatters(stack: &Layers) -> bool {
+    stack.layers().iter().any(|layer| layer.scattering > 0.0)
+}
+
+/// Layers that only absorb, and one without absorption.
+#[test]
+fn absorptions_may_be_anywhere() {
+    let [filter, paint] = [Layer::new(0.0, 0.0, 0.5).with_eta(1.4), Layer::new(5.0, 0.0, 0.3).with_g(0.5)];
+    let stack = layers(&[filter.clone(), paint, filter], Ground::Lambertian { reflectance: 0.7 });
+    let sets = [vec![0.0; 3], vec![1.0, 0.0, 2.0], vec![1e6, 1e6, 1e6]];
+    let control = Control::default();
+    let tallies =
+        stack.walk_absorptions(&sets, Incidence::Cosine, Grid::TOTALS, power(200_000), 2, &control).unwrap();
+    for (set, tally) in sets.iter().zip(&tallies) {
+        let mut list = stack.layers().to_vec();
+        list.iter_mut().zip(set).for_each(|(layer, absorption)| layer.absorption = *absorption);
+        let totals = layers(&list, stack.ground()).totals(Incidence::Cosine).unwrap();
+        let reflected = tally.total(Quantity::Reflected);
+        let all = Estimate { value: tally.specular() + reflected.value, ..reflected };
+        assert_near(
+            &format!("{set:?}"),
+            all,
+            exact(totals.specular_reflectance + totals.diffuse_reflectance),
+        );
+        let absorbed = tally.total(Quantity::AbsorbedByRingAndDepth).value;
+        assert!((absorbed - tally.total(Quantity::Absorbed).value).abs() < 1e-12);
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let walk = || {
+        stack.walk_absorptions(&sets, Incidence::Cosine, Grid::TOTALS, 5001, 2, &Control::default()).unwrap()
+    };
+    assert_eq!(walk(), pool.install(walk));
+    for (sets, start) in [
+        (vec![], "number of absorptions is 0"),
+        (vec![vec![1.0]], "coefficients of an absorption is 1, but must be that of the layers"),
+        (vec![vec![1.0, f64::NAN, 1.0]], "absorption is NaN"),
+        (vec![vec![1.0; 3]; 1_000_000], "counts of all absorptions is "),
+    ] {
+        let error = stack.walk_absorptions(&sets, Incidence::NORMAL, Grid::TOTALS, 10, 0, &control);
+        let message = error.unwrap_err().to_string();
+        assert!(message.starts_with(start), "{message}");
+    }
 }

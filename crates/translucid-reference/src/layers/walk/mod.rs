@@ -5,6 +5,7 @@
 
 mod grid;
 mod kernel;
+mod many_weights;
 mod medium;
 mod tally;
 
@@ -19,9 +20,10 @@ use translucid_profile::{ParameterError, fresnel_from_outside, require};
 
 use self::grid::Places;
 use self::kernel::Setup;
+use self::many_weights::Absorptions;
 use self::medium::{Cells, Medium, media};
 use self::tally::Batch;
-use super::{Ground, Layers};
+use super::{Ground, Layer, Layers};
 use crate::walk::edge_search::EdgeSearch;
 use crate::walk::photon_source::PhotonSource;
 use crate::walk::random::Key;
@@ -78,39 +80,89 @@ impl Layers {
     ) -> Result<LayersTally, ParameterError> {
         require(photons > 0, "photons", photons as f64, "at least 1")?;
         let (media, unit, problem) = self.check_walk(incidence, &grid)?;
-        let places = Places::new(grid, media.len());
-        let eta = problem.parameters().eta;
         let clear = self.clear_first(incidence);
-        let specular = clear.unwrap_or_else(|| specular_reflectance(incidence, eta));
-        let mut tally = LayersTally::new(places.clone(), specular);
-        let setup = Setup {
-            cells: Cells::new(&grid, unit),
-            cosines: EdgeSearch::new(cosines(grid.na)),
-            places,
-            key: Key::new(seed),
-            source: PhotonSource::new(&problem),
-            first: usize::from(clear.is_some()).min(media.len()),
-            media,
-        };
-        if setup.first == setup.media.len() {
+        let specular = clear.unwrap_or_else(|| specular_reflectance(incidence, problem.parameters().eta));
+        let first = usize::from(clear.is_some()).min(media.len());
+        let is_clear = first == media.len();
+        let setup = Setup { first, ..Setup::new(media, unit, grid, &problem, seed) };
+        let mut tally = LayersTally::new(setup.places.clone(), specular);
+        if is_clear {
             tally.add_all_transmitted(photons);
             return Ok(tally);
         }
-        let [least, most] = BATCHES;
-        let batches = photons.div_ceil(BATCH).clamp(least, most).min(photons);
-        let start_of = |batch: u64| (u128::from(photons) * u128::from(batch) / u128::from(batches)) as u64;
-        let ranges: Vec<_> = (0..batches).map(|batch| start_of(batch)..start_of(batch + 1)).collect();
-        for wave in ranges.chunks(rayon::current_num_threads()) {
-            if control.stops() {
-                break;
-            }
-            let walk =
-                |range: &std::ops::Range<u64>| kernel::walk(level, &setup, control.stop, range.clone());
-            let done: Vec<Option<Batch>> = wave.par_iter().map(walk).collect();
-            done.into_iter().flatten().for_each(|batch| tally.add(batch));
-            (control.progress)(tally.photons());
-        }
+        walk_in_batches(level, &setup, photons, control, std::slice::from_mut(&mut tally));
         Ok(tally)
+    }
+
+    /// [`walk`](Self::walk) for several sets of absorption coefficients in place of the layers' own, one for each layer, by
+    /// the same photons: a tally for each set.
+    ///
+    /// The photons are walked once, in layers that absorb nothing, each with a weight for each set: e^{−σ_a L} for its way L
+    /// in each layer. Estimates are unbiased with the errors of each set, which are those of `walk` or less, but errors of
+    /// different sets go together. Sets without any absorption take as long as it takes light to find its way out.
+    ///
+    /// What is absorbed by depth, and by ring and depth, is not a number but in the only cell of a grid. Light that comes
+    /// back through a clear first layer is reflected, not specular, whatever a set has there.
+    ///
+    /// ```
+    /// use translucid_reference::Incidence;
+    /// use translucid_reference::layers::{Grid, Ground, Layer, Layers, Quantity};
+    /// use translucid_reference::walk::Control;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let slab = Layers::new(1.0, vec![Layer::new(90.0, 0.0, 0.02).with_g(0.75)], Ground::AIR)?;
+    /// let sets = [vec![0.0], vec![1.0], vec![10.0]];
+    /// let control = Control::default();
+    /// let tallies = slab.walk_absorptions(&sets, Incidence::NORMAL, Grid::TOTALS, 20_000, 1, &control)?;
+    /// let reflected = tallies[2].total(Quantity::Reflected);
+    /// assert!((reflected.value - 0.09739).abs() < 5.0 * reflected.error); // H. C. van de Hulst 1980
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A set does not have a coefficient in [0, 1e30] for each layer, there are none or too many sets for their counts, no
+    /// layer scatters, or those of [`walk`](Self::walk).
+    pub fn walk_absorptions(
+        &self,
+        absorptions: &[Vec<f64>],
+        incidence: Incidence,
+        grid: Grid,
+        photons: u64,
+        seed: u64,
+        control: &Control,
+    ) -> Result<Vec<LayersTally>, ParameterError> {
+        require(photons > 0, "photons", photons as f64, "at least 1")?;
+        let sets = absorptions.len();
+        require(sets > 0, "number of absorptions", sets as f64, "at least 1")?;
+        for set in absorptions {
+            let allowed = "that of the layers";
+            require(
+                set.len() == self.layers.len(),
+                "coefficients of an absorption",
+                set.len() as f64,
+                allowed,
+            )?;
+            let wrong = set.iter().find(|value| !(0.0..=1e30).contains(*value));
+            wrong.map_or(Ok(()), |value| Err(ParameterError::new("absorption", *value, "in [0, 1e30]")))?;
+        }
+        let most = self.layers.iter().map(|layer| layer.scattering).fold(0.0, f64::max);
+        require(most > 0.0, "scattering", most, "greater than 0 in a layer, for several absorptions")?;
+        let white = self.layers.iter().map(|layer| Layer { absorption: 0.0, ..layer.clone() });
+        let white = Self { layers: white.collect(), ..self.clone() };
+        let (media, unit, problem) = white.check_walk(incidence, &grid)?;
+        let coefficients = (0..media.len()).flat_map(|layer| {
+            absorptions.iter().map(move |set| ((set[layer] * unit).min(f64::from(f32::MAX))) as f32)
+        });
+        let absorptions = Absorptions { sets, coefficients: coefficients.collect() };
+        let setup = Setup { absorptions: Some(absorptions), ..Setup::new(media, unit, grid, &problem, seed) };
+        let counts = setup.places.count() as f64 * sets as f64;
+        let allowed = "at most 4000000: fewer absorptions, or a coarser grid";
+        require(counts <= Grid::MOST_CELLS as f64, "counts of all absorptions", counts, allowed)?;
+        let specular = specular_reflectance(incidence, problem.parameters().eta);
+        let mut tallies = vec![LayersTally::new(setup.places.clone(), specular); sets];
+        walk_in_batches(Level::new(), &setup, photons, control, &mut tallies);
+        Ok(tallies)
     }
 
     /// Checks what [`walk`](Self::walk) does before its first photon.
@@ -150,6 +202,49 @@ impl Layers {
         let [r1, r2] =
             [first.eta / self.eta_above(), below / first.eta].map(|eta| fresnel_from_outside(1.0, eta));
         Some(r1 + (1.0 - r1) * (1.0 - r1) * r2 / (1.0 - r1 * r2))
+    }
+}
+
+impl Setup {
+    /// Photons that start in the first layer.
+    fn new(media: Vec<Medium>, unit: f64, grid: Grid, problem: &Problem, seed: u64) -> Self {
+        Self {
+            cells: Cells::new(&grid, unit),
+            cosines: EdgeSearch::new(cosines(grid.na)),
+            places: Places::new(grid, media.len()),
+            key: Key::new(seed),
+            source: PhotonSource::new(problem),
+            first: 0,
+            media,
+            absorptions: None,
+        }
+    }
+}
+
+/// Walks photons, and adds what they do to tallies, one for each absorption.
+fn walk_in_batches(
+    level: Level,
+    setup: &Setup,
+    photons: u64,
+    control: &Control,
+    tallies: &mut [LayersTally],
+) {
+    let [least, most] = BATCHES;
+    let batches = photons.div_ceil(BATCH).clamp(least, most).min(photons);
+    let start_of = |batch: u64| (u128::from(photons) * u128::from(batch) / u128::from(batches)) as u64;
+    let ranges: Vec<_> = (0..batches).map(|batch| start_of(batch)..start_of(batch + 1)).collect();
+    for wave in ranges.chunks(rayon::current_num_threads()) {
+        if control.stops() {
+            break;
+        }
+        let walk = |range: &std::ops::Range<u64>| kernel::walk(level, setup, control.stop, range.clone());
+        let done: Vec<Option<Batch>> = wave.par_iter().map(walk).collect();
+        for Batch { photons, collisions, sums } in done.into_iter().flatten() {
+            for (tally, sums) in tallies.iter_mut().zip(sums.chunks_exact(setup.places.count())) {
+                tally.add(Batch { photons, collisions, sums: sums.to_vec() });
+            }
+        }
+        (control.progress)(tallies[0].photons());
     }
 }
 

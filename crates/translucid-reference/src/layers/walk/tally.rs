@@ -113,6 +113,9 @@ impl LayersTally {
             return Estimate { value, error: f64::INFINITY };
         }
         let mean = self.sums[place] / photons;
+        if mean.is_nan() {
+            return Estimate { value: mean, error: mean };
+        }
         // Batches differ by a photon at most, and each counts by its photons
         let squares = self.squares[place] - self.sums[place] * mean;
         let variance = squares.max(0.0) / (photons * (batches - 1.0));
