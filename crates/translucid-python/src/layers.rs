@@ -274,7 +274,7 @@ fn solve<T: Send + 'static>(
                     counter.fetch_add(part.saturating_sub(before), Ordering::Relaxed);
                 };
                 // Nobody waits for what is left out
-                let control = Control { stop, progress: &count, deadline: None };
+                let control = Control { stop, progress: &count, ..Control::default() };
                 let solved = one(layers, &control)?.ok_or_else(String::new);
                 count(PARTS);
                 solved

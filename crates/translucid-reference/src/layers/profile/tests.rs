@@ -289,7 +289,7 @@ fn profiles_are_watched_and_stopped() {
         let layers = Layers::new(1.0, layers, Ground::AIR).unwrap();
         let [stop, most] = [AtomicBool::new(false), AtomicBool::new(false)];
         let progress = |part: u64| most.store(part >= 1000, Ordering::Relaxed);
-        let control = Control { stop: &stop, progress: &progress, deadline: None };
+        let control = Control { stop: &stop, progress: &progress, ..Control::default() };
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         assert!(one.install(|| layers.profile_within(0.1, &control).unwrap().is_some()));
         assert!(most.load(Ordering::Relaxed));

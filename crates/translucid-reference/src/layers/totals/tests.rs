@@ -262,7 +262,7 @@ fn totals_are_as_close_as_asked_for_and_can_be_stopped() {
     let layers = Layers::new(1.0, layers, Ground::AIR).unwrap();
     let [stop, most] = [AtomicBool::new(false), AtomicBool::new(false)];
     let progress = |part: u64| most.store(part >= 1000, Ordering::Relaxed);
-    let control = Control { stop: &stop, progress: &progress, deadline: None };
+    let control = Control { stop: &stop, progress: &progress, ..Control::default() };
     let fine = layers.totals_within(1e-12, Incidence::Cosine, &control).unwrap().unwrap();
     assert!(most.load(Ordering::Relaxed));
     let coarse = layers.totals_within(1e-2, Incidence::Cosine, &control).unwrap().unwrap();
