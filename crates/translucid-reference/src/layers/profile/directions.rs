@@ -28,15 +28,15 @@ pub(super) struct Side {
 
 /// How finely the finer and the coarser solution are made.
 #[derive(Clone, Copy, Debug)]
-struct Settings {
+pub(super) struct Settings {
     /// Moments of the phase functions.
-    moments: usize,
+    pub(super) moments: usize,
     /// Nodes of a panel of depths.
-    nodes: usize,
+    pub(super) nodes: usize,
     /// Step of ln k.
-    step: f64,
+    pub(super) step: f64,
     /// Step of ln κ of poles.
-    pole_step: f64,
+    pub(super) pole_step: f64,
 }
 
 /// Wave numbers, by the least transport coefficient or the slowest decay, and by the greatest extinction coefficient.
@@ -47,7 +47,7 @@ const POLES: [f64; 2] = [0.3, 1.0];
 
 impl Settings {
     /// Resolution for a wave number in mean free paths.
-    fn resolution(&self, k: f64) -> Resolution {
+    pub(super) fn resolution(&self, k: f64) -> Resolution {
         let growth = libm::log1p(k);
         let orders = ((3.0 + 6.0 * k.min(10.0)) as usize).min(self.moments).min(16);
         Resolution {

@@ -2,6 +2,7 @@
 
 mod chain;
 mod depths;
+mod diffuse;
 mod diffusion;
 mod directions;
 mod hankel;
@@ -18,6 +19,7 @@ use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
 use self::depths::Depths;
+pub use self::diffuse::DiffuseProfile;
 use self::single::Single;
 use self::transform::Transform;
 use super::matrix::Matrix;

@@ -27,14 +27,22 @@ pub(super) fn remainder(layers: &Layers, unit: f64, k: f64, resolution: &Resolut
     let straight = stack.straight(&first);
     let right = stack.scatter(&stack.sweep(&first));
     let diffusion = Diffusion::new(&stack, stack.reflectances());
-    let (rest, left) = solve(&stack, &diffusion, resolution.orders, &right);
+    let (rest, left) = solve(&stack, &diffusion, resolution.orders, &right, ENOUGH);
     let sources: Vec<f64> = first.iter().zip(&rest).map(|(a, b)| a + b).collect();
     let exits = stack.sweep(&sources).exits;
     Remainder { rest: [exits[0] - straight[0], exits[1] - straight[1]], straight, left }
 }
 
 /// S with S − (what S scatters to) = `right`, by Y. Saad and M. H. Schultz 1986, *GMRES*, preconditioned from the right.
-fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> (Vec<f64>, f64) {
+///
+/// The norm of what is left over that of the right side comes to `enough`, and is returned.
+pub(super) fn solve(
+    stack: &Stack,
+    diffusion: &Diffusion,
+    orders: usize,
+    right: &[f64],
+    enough: f64,
+) -> (Vec<f64>, f64) {
     let norm = dot(right, right).sqrt();
     if norm == 0.0 {
         return (right.to_vec(), 0.0);
@@ -43,7 +51,7 @@ fn solve(stack: &Stack, diffusion: &Diffusion, orders: usize, right: &[f64]) -> 
     // Columns of the triangle, rotations, and the right side as they turn it
     let (mut columns, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
     let mut turned = vec![norm];
-    while columns.len() < STEPS && turned[columns.len()].abs() > ENOUGH * norm {
+    while columns.len() < STEPS && turned[columns.len()].abs() > enough * norm {
         let step = columns.len();
         let guess = preconditioned(stack, diffusion, orders, &basis[step]);
         let scattered = stack.scatter(&stack.sweep(&guess));
