@@ -224,6 +224,23 @@ impl Material {
         })
     }
 
+    /// What keeps the material from the profile of its layers, if something does, in words.
+    pub fn fault_of_layered_profile(&self) -> Option<String> {
+        let varies = |color: &ColorInput| color.texture.is_some() || color.vertex_color;
+        let textured = [
+            (varies(&self.subsurface_color), "subsurface_color"),
+            (self.subsurface_radius.texture.is_some(), "subsurface_radius"),
+            (varies(&self.subsurface_radius_scale), "subsurface_radius_scale"),
+        ];
+        if let Some((_, key)) = textured.into_iter().find(|(varies, _)| *varies) {
+            return Some(format!("{key} varies from point to point"));
+        }
+        let is_diffuse = self.subsurface_configuration == Configuration::Diffuse;
+        (!is_diffuse).then(|| {
+            String::from("subsurface_configuration is \"searchlight\", and the profile that of diffuse light")
+        })
+    }
+
     /// The keys, with a value other than their default, that say something of profiles alone.
     pub fn keys_of_profiles(&self, integrator: &Integrator) -> Vec<&'static str> {
         let has_points = integrator.subsurface_method == SubsurfaceMethod::PointBased;
