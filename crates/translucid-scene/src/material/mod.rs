@@ -183,7 +183,8 @@ impl Material {
     }
 
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
-    /// picture in the same time, but a profile where walks cannot do what is asked for. Layers are for walks alone.
+    /// picture in the same time, but a profile where walks cannot do what is asked for. Layers are walked through unless
+    /// their profile is named.
     ///
     /// Where η is above 1, the walk is that between rough surfaces: in most scenes its picture is nearer to the truth of a smooth
     /// boundary than one that is reflected inside is in the same time, or a profile's. Of the profiles, oblique light is solved

@@ -77,7 +77,11 @@ impl LayersRecipe {
             }
             let layers = Layers::new(1.0, stack, Ground::None).map_err(|error| refused(error.to_string()))?;
             let profile = layers.diffuse_profile().map_err(|error| refused(error.to_string()))?;
-            Ok((profile.total() > BLACK).then(|| ChannelRow::new(profile.row())))
+            if profile.total() <= BLACK {
+                return Ok(None);
+            }
+            let row = profile.row().map_err(|error| refused(error.to_string()))?;
+            Ok(Some(ChannelRow::new(row)))
         };
         let rows: Result<Vec<Option<ChannelRow>>, String> =
             stacks.into_par_iter().enumerate().map(solve).collect();
