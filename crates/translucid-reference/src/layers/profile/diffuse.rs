@@ -68,8 +68,9 @@ impl Layers {
     /// Solves for the profile of light that arrives from all directions alike at a point, for pictures.
     ///
     /// One rule of few directions gives it, in some 10 to 300 ms of one core. Its total is that of
-    /// [`totals`](Self::totals). The light within any radius is exact to 0.4 % of the total, to 1 % where nothing absorbs, R(r) to 1 % from 0.05 transport
-    /// mean free paths of the densest layer to where a thousandth of the light is left; nearer it is up to 10 % too low.
+    /// [`totals`](Self::totals). The light within any radius is exact to 0.4 % of the total, to 1 % where nothing absorbs.
+    /// R(r) is exact to 1 % from 0.05 transport mean free paths of the densest layer to where a thousandth of the light is
+    /// left; nearer it is up to 10 % too low.
     ///
     /// ```
     /// use translucid_reference::layers::{Ground, Layer, Layers};
