@@ -10,7 +10,7 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 19] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 8480),
+    ("translucid-cli", 8490),
     ("translucid-display", 100),
     ("translucid-export", 2600),
     ("translucid-files", 200),
@@ -21,7 +21,7 @@ const BUDGETS: [(&str, usize); 19] = [
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 5110),
-    ("translucid-reference", 10030),
+    ("translucid-reference", 10035),
     ("translucid-render", 17650),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2000),

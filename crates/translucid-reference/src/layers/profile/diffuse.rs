@@ -180,6 +180,8 @@ fn near_transform([factor, decay]: [f64; 2], k: f64) -> f64 {
 /// Radii of a row in a factor of ten, and the first one in mean free paths of the densest layer.
 const PER_DECADE: f64 = 12.0;
 const FIRST_RADIUS: f64 = 1e-3;
+/// Part of the light that has to be within the last radius.
+const KNOWN: f64 = 0.98;
 /// Number of last radii over which r R falls.
 const FALLING: usize = 4;
 /// Part of the light that may be beyond the last radius of a row.
@@ -219,8 +221,8 @@ impl DiffuseProfile {
             // ∫ 2πr² R d ln r by Simpson's rule
             let [middle, end] = [0.5, 1.0].map(|part| r * libm::exp(part * step));
             let [inside, next] = [middle, end].map(|r| self.eval(r).max(0.0));
-            if next >= value {
-                // What grows with the distance is no light
+            if next >= value && within > KNOWN * self.total {
+                // What grows again far away is rounding
                 break;
             }
             let light = r * r * value + 4.0 * middle * middle * inside + end * end * next;
@@ -240,7 +242,7 @@ impl DiffuseProfile {
         }
         let known = row.enclosed.last().map_or(0.0, |within| within / self.total);
         let allowed = "at least 0.98: so much is lost in rounding";
-        require(known >= 0.98, "part of the light at radii that are known", known, allowed)
+        require(known >= KNOWN, "part of the light at radii that are known", known, allowed)
             .map_err(of_all)?;
         Ok(row)
     }
