@@ -42,7 +42,7 @@ MATERIAL = {
     "subsurface_eta": st.floats(0.5, 3.0),
     "subsurface_scatter_anisotropy": st.floats(-0.99, 0.99),
     "subsurface_model": st.sampled_from(
-        [*translucid.models, "default", "random-walk", "random-walk-diffuse", "random-walk-rough", "random-walk-skin", "none"]
+        [*translucid.models, "default", "random-walk", "random-walk-diffuse", "random-walk-rough", "random-walk-skin", "layers", "none"]
     ),
     "subsurface_parameter": st.sampled_from(["mfp", "dmfp"]),
     "subsurface_texture_at": st.sampled_from(["exit", "entry", "both"]),

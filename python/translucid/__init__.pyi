@@ -285,7 +285,7 @@ class _MaterialKeys(TypedDict, total=False):
     geometry_opacity: _Scalar | dict[str, Any] | None
     geometry_thin_walled: bool | None
     layer: Sequence[dict[str, Any]] | Literal["none"] | None
-    subsurface_model: Literal["normalized-diffusion", "normalized-diffusion-refined", "normalized-diffusion-oblique", "dipole", "better-dipole", "directional-dipole", "quantized-diffusion", "photon-beam-diffusion", "gaussians", "exact", "random-walk", "random-walk-diffuse", "random-walk-rough", "random-walk-skin", "none", "default"] | None
+    subsurface_model: Literal["normalized-diffusion", "normalized-diffusion-refined", "normalized-diffusion-oblique", "dipole", "better-dipole", "directional-dipole", "quantized-diffusion", "photon-beam-diffusion", "gaussians", "exact", "random-walk", "random-walk-diffuse", "random-walk-rough", "random-walk-skin", "none", "default", "layers"] | None
     subsurface_table: _Path | None
     subsurface_parameter: Literal["mfp", "dmfp"] | None
     subsurface_configuration: Literal["searchlight", "diffuse"] | None

@@ -190,8 +190,8 @@ def render(
         Samples per pixel, in [1, 2**24]; by default the scene's.
     subsurface : str, optional
         Model of the transport under all surfaces, in place of the materials' own: the name of a profile,
-        ``'random-walk'``, ``'random-walk-diffuse'``, ``'random-walk-rough'``, ``'random-walk-skin'`` or
-        ``'none'``.
+        ``'random-walk'``, ``'random-walk-diffuse'``, ``'random-walk-rough'``, ``'random-walk-skin'``,
+        ``'layers'`` or ``'none'``.
     seed : int, optional
         Seed of the random numbers; by default the scene's.
     threads : int, optional

@@ -179,7 +179,10 @@ impl ModelArguments {
                 let help = "use it with render; the exact profile of the same medium is --model exact";
                 return Err(Failure::input(message).with_help(help));
             }
-            SubsurfaceModel::Default | SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => {
+            SubsurfaceModel::Default
+            | SubsurfaceModel::Tabulated(_)
+            | SubsurfaceModel::Layers
+            | SubsurfaceModel::None => {
                 return Err(Failure::input(format!(
                     "the model {} has no profile",
                     self.model.model().name()

@@ -6,7 +6,7 @@
 use divan::{Bencher, black_box};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
-use translucid_reference::layers::{Ground, Layer, Layers, LayersProfile, Totals};
+use translucid_reference::layers::{DiffuseProfile, Ground, Layer, Layers, LayersProfile, Totals};
 
 fn main() {
     divan::main();
@@ -89,6 +89,12 @@ fn totals_of_three_layers((g, eta): (f64, f64)) -> Totals {
 #[divan::bench(sample_count = 3, sample_size = 1, args = [(0.0, 1.0), (0.0, 1.4), (0.8, 1.0), (0.8, 1.4)])]
 fn profile_of_three_layers((g, eta): (f64, f64)) -> LayersProfile {
     three_layers(black_box(g), eta).profile().expect("solvable layers")
+}
+
+/// R(r) of three layers in diffuse light, for pictures, by g and η.
+#[divan::bench(sample_count = 10, sample_size = 1, args = [(0.0, 1.0), (0.0, 1.4), (0.8, 1.0), (0.8, 1.4)])]
+fn diffuse_profile_of_three_layers((g, eta): (f64, f64)) -> DiffuseProfile {
+    three_layers(black_box(g), eta).diffuse_profile().expect("solvable layers")
 }
 
 /// R(r) at 200 radii of three solved layers.

@@ -151,6 +151,7 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
         SubsurfaceModel::Profile(model) => model,
         SubsurfaceModel::RandomWalk(surface) => return walk_curve(channel, surface),
         SubsurfaceModel::Default => return Err("no model is named".to_owned()),
+        SubsurfaceModel::Layers => return Err("no profile is drawn of layers".to_owned()),
         SubsurfaceModel::None => return Err("a Lambertian color has no profile".to_owned()),
         SubsurfaceModel::Tabulated(index) => {
             let table = tables.get(index).ok_or("the table is not there")?;

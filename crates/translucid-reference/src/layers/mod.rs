@@ -16,7 +16,7 @@ mod totals;
 mod walk;
 
 pub use layer::{Deflection, Layer};
-pub use profile::LayersProfile;
+pub use profile::{DiffuseProfile, LayersProfile};
 pub use totals::Totals;
 pub use walk::{Grid, LayersTally, Quantity};
 

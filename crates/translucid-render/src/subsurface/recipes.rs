@@ -151,6 +151,9 @@ impl Recipes {
         };
         let kernel = match self.kernels.get(recipe, |recipe| recipe.make(&scene.profile_tables)) {
             Ok(kernel) => kernel,
+            Err(error) if model == SubsurfaceModel::Layers => {
+                return self.walk_in_place_of_layers(scene, index, &error);
+            }
             Err(error) => return self.stand_in(scene, index, model.name(), &error),
         };
         let mut notes: Vec<Remark> = unfitted(material, model).into_iter().collect();
@@ -163,6 +166,16 @@ impl Recipes {
             notes.push((NoteKind::MeanOverDirections, words));
         }
         Made::new(self.transport(scene, index, kernel), notes)
+    }
+
+    /// A walk through layers in place of their profile.
+    fn walk_in_place_of_layers(&mut self, scene: &Scene, index: usize, error: &str) -> Made {
+        let is_matched = scene.materials[index].subsurface_eta <= 1.0;
+        let surface = if is_matched { WalkSurface::Diffuse } else { WalkSurface::Clear };
+        let mut made = self.make_walk(scene, index, surface);
+        let words = format!("layers: {error}; {} stands in for their profile", surface.name_of_walk());
+        made.remarks.push((NoteKind::StandIn, words));
+        made
     }
 
     /// Burley's profile in place of one that cannot be made.

@@ -8,6 +8,7 @@ use translucid_scene::{Object, Scene, SubsurfaceMethod};
 use super::exit_point::ExitPoint;
 use super::normalization::Normalizer;
 use super::note::{Note, NoteKind};
+use super::parameters::Subsurface;
 use super::transport::points::{
     CloudGroup, GatherPoint, GatherScratch, Gatherer, PixelWidths, PointCloud, serve,
 };
@@ -76,8 +77,11 @@ impl Transports {
             }
             let (low, high) = object.bounds();
             let nearest = Vec3::ZERO.clamp(low, high).abs().max_element();
-            let stated = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
-            let albedo = material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE);
+            let Subsurface { surface_albedo: albedo, length: stated } =
+                transport.own().unwrap_or_else(|| Subsurface {
+                    surface_albedo: material.subsurface_color.factor.clamp(Vec3::ZERO, Vec3::ONE),
+                    length: material.subsurface_radius.factor * material.subsurface_radius_scale.factor,
+                });
             let length = |at: f32| transport.length(albedo, stated, offset_at(at));
             let is_unresolved = |at: f32| {
                 let medium = transport.medium();

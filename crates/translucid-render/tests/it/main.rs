@@ -18,6 +18,7 @@ mod determinism;
 mod exact_answers;
 mod groups;
 mod instances;
+mod layered_profiles;
 mod many_lights;
 mod models;
 mod normalization;

@@ -25,7 +25,7 @@ use crate::common::{
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.6, 0.3);
 
-fn material(surface: WalkSurface, layers: Vec<SubsurfaceLayer>) -> Material {
+pub(crate) fn material(surface: WalkSurface, layers: Vec<SubsurfaceLayer>) -> Material {
     Material {
         name: "layered".into(),
         specular_weight: ScalarInput::constant(0.0),
@@ -50,13 +50,18 @@ fn dielectric(eta: f32, g: f32, layers: Vec<SubsurfaceLayer>) -> Material {
     }
 }
 
-fn coefficients(thickness: f32, scattering: [f32; 3], absorption: [f32; 3], g: f32) -> SubsurfaceLayer {
+pub(crate) fn coefficients(
+    thickness: f32,
+    scattering: [f32; 3],
+    absorption: [f32; 3],
+    g: f32,
+) -> SubsurfaceLayer {
     let medium = LayerMedium::Coefficients { scattering: scattering.into(), absorption: absorption.into() };
     SubsurfaceLayer { thickness, medium, g }
 }
 
 /// A dense dark layer over one that is clearer than what is behind it.
-fn skin(g: f32) -> Vec<SubsurfaceLayer> {
+pub(crate) fn skin(g: f32) -> Vec<SubsurfaceLayer> {
     let surface_albedo = Vec3::new(0.6, 0.4, 0.7);
     let medium = LayerMedium::Appearance { surface_albedo, mfp: Vec3::new(0.3, 0.5, 0.4) };
     vec![
@@ -67,14 +72,14 @@ fn skin(g: f32) -> Vec<SubsurfaceLayer> {
 }
 
 /// The innermost medium of a channel, of the mean cosine g below a boundary of the index that the walk reflects at.
-fn innermost(c: usize, g: f32, eta: f32, thickness: f64) -> Layer {
+pub(crate) fn innermost(c: usize, g: f32, eta: f32, thickness: f64) -> Layer {
     let inversion = AlbedoInversion::new(g.into(), eta.into(), Configuration::Diffuse).unwrap();
     let (albedo, length) = (f64::from(ALBEDO[c]), f64::from(LENGTH[c]));
     Layer::from_surface_albedo(&inversion, albedo, length, Parameterization::Mfp, thickness).unwrap()
 }
 
 /// A layer's medium in a channel.
-fn exact_layer(layer: &SubsurfaceLayer, c: usize) -> Layer {
+pub(crate) fn exact_layer(layer: &SubsurfaceLayer, c: usize) -> Layer {
     let thickness = f64::from(layer.thickness);
     match layer.medium {
         LayerMedium::Coefficients { scattering, absorption } => {
@@ -106,7 +111,7 @@ fn totals(material: &Material, inner_thickness: f64, incidence: Incidence) -> [T
     })
 }
 
-fn per_channel(f: impl Fn(usize) -> f64) -> Vec3 {
+pub(crate) fn per_channel(f: impl Fn(usize) -> f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| f(c) as f32))
 }
 
@@ -115,11 +120,11 @@ fn scaled((mean, error): (Vec3, Vec3), factor: f32) -> (Vec3, Vec3) {
 }
 
 /// A point of a plane on no edge.
-fn on_plane(_: [f64; 2]) -> (Vec3, Vec3) {
+pub(crate) fn on_plane(_: [f64; 2]) -> (Vec3, Vec3) {
     (Vec3::new(3.3, 1.1, 0.0), Vec3::Z)
 }
 
-fn plane(material: Material) -> Scene {
+pub(crate) fn plane(material: Material) -> Scene {
     scene(vec![quad(Vec3::ZERO, Vec3::X * 2e3, Vec3::Y * 2e3)], material)
 }
 

@@ -183,7 +183,8 @@ impl Material {
     }
 
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
-    /// picture in the same time, but a profile where walks cannot do what is asked for. Layers are for walks alone.
+    /// picture in the same time, but a profile where walks cannot do what is asked for. Layers are walked through unless
+    /// their profile is named.
     ///
     /// Where η is above 1, the walk is that between rough surfaces: in most scenes its picture is nearer to the truth of a smooth
     /// boundary than one that is reflected inside is in the same time, or a profile's. Of the profiles, oblique light is solved
@@ -221,6 +222,23 @@ impl Material {
             Model::NormalizedDiffusionOblique
         } else {
             Model::NormalizedDiffusionRefined
+        })
+    }
+
+    /// What keeps the material from the profile of its layers, if something does, in words.
+    pub fn fault_of_layered_profile(&self) -> Option<String> {
+        let varies = |color: &ColorInput| color.texture.is_some() || color.vertex_color;
+        let textured = [
+            (varies(&self.subsurface_color), "subsurface_color"),
+            (self.subsurface_radius.texture.is_some(), "subsurface_radius"),
+            (varies(&self.subsurface_radius_scale), "subsurface_radius_scale"),
+        ];
+        if let Some((_, key)) = textured.into_iter().find(|(varies, _)| *varies) {
+            return Some(format!("{key} varies from point to point"));
+        }
+        let is_diffuse = self.subsurface_configuration == Configuration::Diffuse;
+        (!is_diffuse).then(|| {
+            String::from("subsurface_configuration is \"searchlight\", and the profile that of diffuse light")
         })
     }
 

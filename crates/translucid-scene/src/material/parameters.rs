@@ -50,10 +50,19 @@ const LAYERS: &[Key] = &[Key {
     fallback: Words("none"),
 }];
 
-/// Requirements of layers, which are for random walks.
+/// Requirements of layers, which are for random walks and their own profile.
 const RULES: &[Rule<Material>] = &[
     Rule { key: "subsurface_table", broken: |m| no_walk(m, true), help: LEAVE_OUT_LAYERS },
     Rule { key: "subsurface_model", broken: |m| no_walk(m, false), help: LEAVE_OUT_LAYERS },
+    Rule {
+        key: "subsurface_model",
+        broken: |m| {
+            let fault =
+                m.fault_of_layered_profile().filter(|_| m.subsurface_model == SubsurfaceModel::Layers);
+            fault.map(|fault| format!("a random walk or left out, because {fault}"))
+        },
+        help: "layers have one profile for all of a material",
+    },
     Rule {
         key: "geometry_thin_walled",
         broken: |m| {
@@ -69,10 +78,11 @@ const LEAVE_OUT_LAYERS: &str = "layer = \"none\" takes away the layers";
 /// Refuses models other than walks, tables or others, for materials with layers.
 fn no_walk(material: &Material, is_table: bool) -> Option<String> {
     let model = material.subsurface_model;
-    let is_walk = matches!(model, SubsurfaceModel::Default | SubsurfaceModel::RandomWalk(_));
+    let is_walk =
+        matches!(model, SubsurfaceModel::Default | SubsurfaceModel::RandomWalk(_) | SubsurfaceModel::Layers);
     let is_asked = is_table == matches!(model, SubsurfaceModel::Tabulated(_));
     let is_broken = !material.layers.is_empty() && !is_walk && is_asked;
-    let what = if is_table { "left out" } else { "a random walk or left out" };
+    let what = if is_table { "left out" } else { "a random walk, \"layers\" or left out" };
     is_broken.then(|| format!("{what}, because the material has layers"))
 }
 

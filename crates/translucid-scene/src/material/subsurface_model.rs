@@ -12,6 +12,8 @@ pub enum SubsurfaceModel {
     Profile(Model),
     /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
     Tabulated(usize),
+    /// The profile of the material's layers on its medium, as they are solved exactly for diffuse light.
+    Layers,
     /// No profile: a walk through the volume, scattering event by scattering event, between surfaces of a kind.
     RandomWalk(WalkSurface),
     /// No transport under the surface: `subsurface_color` becomes a Lambertian color.
@@ -63,8 +65,8 @@ impl WalkSurface {
 
 impl SubsurfaceModel {
     /// Every model that can be asked for by its name alone.
-    pub const ALL: [Self; Model::ALL.len() + 6] = {
-        let mut all = [Self::None; Model::ALL.len() + 6];
+    pub const ALL: [Self; Model::ALL.len() + 7] = {
+        let mut all = [Self::None; Model::ALL.len() + 7];
         let mut i = 0;
         while i < WalkSurface::ALL.len() {
             all[Model::ALL.len() + i] = Self::RandomWalk(WalkSurface::ALL[i]);
@@ -76,6 +78,7 @@ impl SubsurfaceModel {
             i += 1;
         }
         all[Model::ALL.len() + 5] = Self::Default;
+        all[Model::ALL.len() + 6] = Self::Layers;
         all
     };
 
@@ -85,6 +88,7 @@ impl SubsurfaceModel {
             Self::Default => "default",
             Self::Profile(model) => model.name(),
             Self::Tabulated(_) => "tabulated",
+            Self::Layers => "layers",
             Self::RandomWalk(surface) => surface.name_of_walk(),
             Self::None => "none",
         }
@@ -98,6 +102,7 @@ impl SubsurfaceModel {
             }
             Self::Profile(model) => model.description(),
             Self::Tabulated(_) => "The profile of a file",
+            Self::Layers => "The exact profile of a material's layers in diffuse light",
             Self::RandomWalk(surface) => surface.description_of_walk(),
             Self::None => "No light under the surface: a Lambertian color",
         }

@@ -259,8 +259,25 @@ fn broken_layers_are_refused() {
     let message = "material[0].layer is a number, but must be an array of tables, each with the header [[material.layer]]";
     refuse_material("layer = 3", message, "3", "");
     let layer = "layer = [{ thickness = 1, scattering = 1, absorption = 1 }]";
-    let message = "material[0].subsurface_model is \"dipole\", but must be a random walk or left out, because the material has layers";
+    let message = "material[0].subsurface_model is \"dipole\", but must be a random walk, \"layers\" or left out, because the material has layers";
     refuse_material(&format!("{layer}\nsubsurface_model = \"dipole\""), message, "\"dipole\"", "");
+    for (line, fault) in [
+        ("subsurface_color = 'vertex'", "subsurface_color varies from point to point"),
+        (
+            "subsurface_configuration = 'searchlight'",
+            "subsurface_configuration is \"searchlight\", and the profile that of diffuse light",
+        ),
+    ] {
+        let message = format!(
+            "material[0].subsurface_model is \"layers\", but must be a random walk or left out, because {fault}"
+        );
+        refuse_material(
+            &format!("{layer}\nsubsurface_model = \"layers\"\n{line}"),
+            &message,
+            "\"layers\"",
+            "",
+        );
+    }
     let message =
         "material[0].subsurface_table is \"a.csv\", but must be left out, because the material has layers";
     refuse_material(&format!("{layer}\nsubsurface_table = \"a.csv\""), message, "\"a.csv\"", "");

@@ -275,6 +275,11 @@ impl Random {
             material.layers = vec![layer; self.0.below(3)];
         }
         if !material.layers.is_empty() {
+            material.subsurface_model = self.one(&[SubsurfaceModel::Default, SubsurfaceModel::Layers]);
+        }
+        if material.fault_of_layered_profile().is_some()
+            && material.subsurface_model == SubsurfaceModel::Layers
+        {
             material.subsurface_model = SubsurfaceModel::Default;
         }
         drop(material.clamp());

@@ -62,6 +62,11 @@ impl Hankel {
         self.poles.eval(r) + (near + far) / (2.0 * PI * r * r)
     }
 
+    /// f̂(k).
+    pub(super) fn transform(&self, k: f64) -> f64 {
+        self.poles.transform(k) + self.rest(k)
+    }
+
     fn rest(&self, k: f64) -> f64 {
         let last = self.rest.len() - 1;
         let place = ((libm::log(k) - self.first) / self.step).clamp(0.0, last as f64);

@@ -2,6 +2,7 @@
 
 mod chain;
 mod depths;
+mod diffuse;
 mod diffusion;
 mod directions;
 mod hankel;
@@ -19,6 +20,7 @@ use rayon::prelude::*;
 use translucid_profile::{ParameterError, require};
 
 use self::depths::Depths;
+pub use self::diffuse::DiffuseProfile;
 use self::single::Single;
 use self::transform::Transform;
 use self::watch::Watch;

@@ -36,7 +36,12 @@ pub(super) fn remainder(layers: &Layers, unit: f64, k: f64, resolution: &Resolut
 }
 
 /// S with S − (what S scatters to) = `right`, by Y. Saad and M. H. Schultz 1986, *GMRES*, preconditioned from the right.
-fn solve(stack: &Stack, diffusion: &Diffusion, resolution: &Resolution, right: &[f64]) -> (Vec<f64>, f64) {
+pub(super) fn solve(
+    stack: &Stack,
+    diffusion: &Diffusion,
+    resolution: &Resolution,
+    right: &[f64],
+) -> (Vec<f64>, f64) {
     let orders = resolution.orders;
     let norm = dot(right, right).sqrt();
     if norm == 0.0 {

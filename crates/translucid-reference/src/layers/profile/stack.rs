@@ -82,7 +82,7 @@ pub(super) struct Sheet {
     /// Flux of the beam down at the upper face and up at the lower one.
     pub(super) beam: [f64; 2],
     /// σ_s (2l + 1) χ_l, without the peak.
-    factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// Mean cosine of the phase function that scatters.
     pub(super) g: f64,
 }
@@ -611,7 +611,7 @@ fn kernels(factors: &[f64], cosines: &[f64], weights: &[f64], orders: usize) -> 
 }
 
 /// √((l − m)!/(l + m)!) P_lm of a cosine, from l = m to below `count`.
-fn associated_legendre(mu: f64, order: usize, count: usize) -> Vec<f64> {
+pub(super) fn associated_legendre(mu: f64, order: usize, count: usize) -> Vec<f64> {
     let sine = (1.0 - mu * mu).max(0.0).sqrt();
     let m = order as f64;
     let mut now: f64 = (1..=order).map(|j| sine * ((2 * j - 1) as f64 / (2 * j) as f64).sqrt()).product();

@@ -18,6 +18,7 @@
 mod cut;
 mod direction;
 mod half_space;
+mod layers;
 mod recipe;
 
 use glam::Vec3;
@@ -39,8 +40,10 @@ pub(crate) struct SubsurfaceKernel {
     /// Surface albedo whose shape stands in above it. Directional profiles use that shape, too; otherwise most of their
     /// light would leave where probes hardly look.
     brightest: f32,
-    /// A user has made the profile: it may have any shape, holes included.
-    is_from_file: bool,
+    /// The profile is that of a file or of layers: it may have any shape, in a file holes included.
+    has_any_shape: bool,
+    /// Surface albedos and lengths of the profiles in place of the material's.
+    own: Option<Subsurface>,
     angular: Angular,
     notes: Vec<Remark>,
 }
@@ -86,9 +89,14 @@ impl SubsurfaceKernel {
         !matches!(self.angular, Angular::Nothing)
     }
 
-    /// Surface albedos of the profiles that a user has made, which may have any shape.
-    pub(crate) fn albedos_from_file(&self) -> Option<&[f64]> {
-        self.is_from_file.then(|| self.radial.surface_albedos())
+    /// Surface albedos and lengths that the profiles have in place of the material's.
+    pub(crate) fn own(&self) -> Option<Subsurface> {
+        self.own
+    }
+
+    /// Surface albedos of profiles that may have any shape.
+    pub(crate) fn albedos_of_any_shape(&self) -> Option<&[f64]> {
+        self.has_any_shape.then(|| self.radial.surface_albedos())
     }
 
     /// The directional part of an exit point's parameters.

@@ -6,6 +6,7 @@ use translucid_profile::{
 };
 use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 
+use super::layers::LayersRecipe;
 use super::{Angular, SubsurfaceKernel};
 use crate::subsurface::note::{Note, NoteKind, Remark};
 
@@ -19,11 +20,12 @@ const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
 const LEAST_ETA_OF_DIRECTIONAL_DIPOLE: f64 = 1.1;
 
 /// The inputs of a kernel: materials with equal recipes share one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum KernelRecipe {
     Model(ModelRecipe),
     /// The scene's profile table of this number.
     File(usize),
+    Layers(LayersRecipe),
 }
 
 /// The inputs of a model's kernel.
@@ -46,6 +48,7 @@ impl KernelRecipe {
         match model {
             SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
             SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
+            SubsurfaceModel::Layers => Some(Self::Layers(LayersRecipe::of(material))),
             SubsurfaceModel::Default | SubsurfaceModel::None | SubsurfaceModel::RandomWalk(_) => None,
         }
     }
@@ -68,11 +71,13 @@ impl KernelRecipe {
                 Ok(SubsurfaceKernel {
                     radial: AlbedoTableF32::from(&table),
                     brightest: 1.0,
-                    is_from_file: true,
+                    has_any_shape: true,
+                    own: None,
                     angular: Angular::Nothing,
                     notes: Vec::new(),
                 })
             }
+            Self::Layers(recipe) => recipe.make(),
         }
     }
 }
@@ -85,6 +90,9 @@ fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
 
 /// A remark if a model is not fitted for the g and η that a material asks for.
 pub(crate) fn unfitted(material: &Material, model: SubsurfaceModel) -> Option<Remark> {
+    if model == SubsurfaceModel::Layers {
+        return Note::of_nearest(material, model.name(), LayersRecipe::of(material).g_and_eta());
+    }
     let SubsurfaceModel::Profile(model) = model else { return None };
     let used = nearest_known(model, material);
     model.knows_boundary().then(|| Note::of_nearest(material, model.name(), used))?
@@ -123,7 +131,8 @@ impl ModelRecipe {
         Ok(SubsurfaceKernel {
             radial: AlbedoTableF32::from(&table),
             brightest: self.brightest() as f32,
-            is_from_file: false,
+            has_any_shape: false,
+            own: None,
             angular: self.angular()?,
             notes: limit.into_iter().chain(noisy).collect(),
         })

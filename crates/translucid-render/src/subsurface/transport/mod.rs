@@ -89,12 +89,20 @@ impl TransportScratch<'_> {
 impl SubsurfaceTransport {
     /// Parameters of the medium below a point of a material that has this transport.
     pub(crate) fn at(&self, scene: &Scene, material: &Material, point: &SurfacePoint) -> Subsurface {
+        if let Some(Subsurface { surface_albedo, length }) = self.own() {
+            return Subsurface { surface_albedo, length: self.length(surface_albedo, length, point.offset) };
+        }
         let surface_albedo = surface::surface_albedo_at(scene, material, point);
         if matches!(self, Self::Lambertian) {
             return Subsurface { surface_albedo, length: Vec3::ZERO };
         }
         let stated = surface::stated_length_at(scene, material, point);
         Subsurface { surface_albedo, length: self.length(surface_albedo, stated, point.offset) }
+    }
+
+    /// Surface albedos and lengths that count in place of those that the material states.
+    pub(super) fn own(&self) -> Option<Subsurface> {
+        self.probes().and_then(|probes| probes.kernel.own())
     }
 
     /// Lengths as the transport uses them, 0 in channels whose light leaves too near its entry for positions with a rounding

@@ -359,7 +359,11 @@ fn profiles(scene: &Scene, transports: &[Arc<SubsurfaceTransport>]) -> Vec<Optio
             let is_alike = |other: &usize| kernel(*other).is_some_and(|kernel| Arc::ptr_eq(kernel, own));
             let alike: Vec<usize> = (0..transports.len()).filter(is_alike).collect();
             let row = |albedo: f32| (albedo, SmoothProfile::tabulated(own.radial(albedo, 1.0)));
-            let rows = albedos_in_use(scene, &alike).into_iter().map(row).collect();
+            let albedos = match own.own() {
+                Some(own) => sorted(own.surface_albedo.to_array().to_vec()),
+                None => albedos_in_use(scene, &alike),
+            };
+            let rows = albedos.into_iter().map(row).collect();
             let new = Arc::new(MaterialProfile { kernel: Arc::clone(own), rows });
             made.push(Arc::clone(&new));
             new
@@ -399,6 +403,11 @@ fn albedos_in_use(scene: &Scene, materials: &[usize]) -> Vec<f32> {
             albedos.extend(color.factor.clamp(Vec3::ZERO, Vec3::ONE).to_array());
         }
     }
+    sorted(albedos)
+}
+
+/// Surface albedos in order, each of them once.
+fn sorted(mut albedos: Vec<f32>) -> Vec<f32> {
     albedos.sort_by(f32::total_cmp);
     albedos.dedup();
     albedos

@@ -55,7 +55,7 @@ const RADII: u16 = 1024;
 impl Probes {
     /// Returns `true` if exits may share their light: entries have to be found wherever the stand-in for the profile is.
     pub(crate) fn can_share(&self) -> bool {
-        self.kernel.albedos_from_file().is_none_or(|albedos| {
+        self.kernel.albedos_of_any_shape().is_none_or(|albedos| {
             albedos.iter().all(|&albedo| {
                 let profile = self.profile(albedo as f32, 1.0);
                 let reach = profile.longest();
