@@ -323,14 +323,10 @@ fn spot_gives_back_its_material() {
     }
 }
 
-/// A slab of 1.2 mm on a panel of light, half covered, by photons: one picture of a fixed seed, whose intervals of 99.9 % hold
-/// the truth. The walk's own noise is a tenth of the picture's.
-#[test]
-fn slab_gives_back_its_material() {
-    let (surface_albedo, mfp, thickness) = (0.8, 0.6, 1.2);
+/// The light of a panel through a slab beyond a line, by photons, at distances from it in mean free paths.
+fn through_slab(surface_albedo: f64, thickness: f64) -> impl Fn(f64) -> f64 {
     let alpha = single_scattering_albedo(surface_albedo, 1.0, Incidence::Cosine).unwrap();
-    let parameters =
-        Parameters { thickness: thickness / mfp, incidence: Incidence::Cosine, ..Parameters::default() };
+    let parameters = Parameters { thickness, incidence: Incidence::Cosine, ..Parameters::default() };
     let radii: Vec<f64> = (1..=300).map(|i| 0.05 * f64::from(i)).collect();
     let layout = Layout::new(&radii, 1).unwrap();
     let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, 0.995).unwrap();
@@ -338,10 +334,18 @@ fn slab_gives_back_its_material() {
     let walk = table.at_albedo(alpha).unwrap();
     let rings: Vec<f64> = (0..300).map(|i| walk.ring(Side::Transmitted, i).value).collect();
     // The part of each ring beyond a line
-    let beyond = |x: f64| {
+    move |x: f64| {
         let part = |i: usize| rings[i] * (x / (radii[i] - 0.025)).clamp(-1.0, 1.0).acos() / PI;
         (0..300).map(part).sum::<f64>()
-    };
+    }
+}
+
+/// A slab of 1.2 mm on a panel of light, half covered, by photons: one picture of a fixed seed, whose intervals of 99.9 % hold
+/// the truth. The walk's own noise is a tenth of the picture's.
+#[test]
+fn slab_gives_back_its_material() {
+    let (surface_albedo, mfp, thickness) = (0.8, 0.6, 1.2);
+    let beyond = through_slab(surface_albedo, thickness / mfp);
     let directory = tempfile::tempdir().unwrap();
     // The panel is where the white card is, and shows 0.45
     save(&directory.path().join("edge.exr"), |x, _, _| 0.45 * beyond(-x / mfp));
@@ -362,6 +366,48 @@ fn slab_gives_back_its_material() {
     };
     check(&format!("{WORDS} --white 2,2,18,8 {slab}"), 6);
     check(&format!("{WORDS} --surface-albedo {surface_albedo} {slab}"), 3);
+}
+
+/// A wedge of two steps on a panel of light, by photons, photographed at once: what each step's layers have as color in the hand,
+/// over black and over white, is that of the true medium.
+#[test]
+fn wedge_becomes_layers_of_its_color() {
+    let (surface_albedo, mfp, steps) = (0.8, 0.6, [1.2, 2.4]);
+    let beyond = steps.map(|thickness| through_slab(surface_albedo, thickness / mfp));
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    save(&path("edge.exr"), |x, y, _| 0.45 * beyond[usize::from(y > 0.0)](-x / mfp));
+    let colors = |file: &str| {
+        let json = stdout(directory.path(), &format!("stack {file} --format json"));
+        let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let lab = |row: usize| ["L", "a", "b"].map(|key| rows[row][key].as_f64().unwrap());
+        [lab(0), lab(1)]
+    };
+    for (thickness, region) in steps.into_iter().zip(["21,0,150,34", "21,56,150,90"]) {
+        let truth = format!("[[layer]]\nthickness = {thickness}\nsurface_albedo = {surface_albedo}\nmfp = {mfp}\n");
+        std::fs::write(path("truth.toml"), truth).unwrap();
+        for (known, bound) in [(" --surface-albedo 0.8", 1.0), ("", 2.0)] {
+            let words = format!(
+                "measure edge.exr --mm-per-pixel 0.1 --region {region} --setup slab --thickness {thickness} \
+                 --white 2,2,18,8{known} --format layers -o step.toml"
+            );
+            stdout(directory.path(), &words);
+            for (found, expected) in colors("step.toml").into_iter().zip(colors("truth.toml")) {
+                let distance = translucid_laboratory::colorimetry::delta_e_2000(found, expected);
+                println!("{thickness} mm{known}: {distance:.2} CIEDE2000");
+                assert!(distance < bound, "{thickness} mm{known}: {found:?}, expected {expected:?}: {distance}");
+            }
+        }
+    }
+    // Layers are of index-matched media in diffuse light, and all of their numbers are known
+    for (more, expected) in [
+        ("--white 2,2,18,8 --configuration searchlight", "--format layers is for matt pieces"),
+        ("", "the surface albedo of red is not known"),
+    ] {
+        let words = format!("{WORDS} --setup slab --thickness 1.2 --format layers {more}");
+        let message = stderr(&run(directory.path(), &words));
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 /// A photograph of white paper in place of the piece takes dark corners and uneven light out.
