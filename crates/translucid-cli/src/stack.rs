@@ -19,7 +19,8 @@ use crate::table::ReadableFormat;
 
 const EXAMPLES: &str = "\
 The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a
-table over wavelengths in nm. [grounds] has the reflectances of black and white.
+table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the
+reflectances of black and white.
 
 Columns: ground (black, white, below: that of the file), reflectance and transmittance (of luminance), X, Y, Z, L, a, b, srgb,
 in_srgb (no where srgb is only the nearest color of a display), error (numerical, at most, in Delta E*ab),

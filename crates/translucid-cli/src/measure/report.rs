@@ -94,7 +94,9 @@ pub(super) fn layer(measurement: &Measurement, photo: &Path) -> Result<String, F
     let options = &measurement.options;
     let is_matt = options.configuration.is_none_or(|configuration| configuration == Configuration::Diffuse);
     if options.eta != 1.0 || options.incidence.is_some() || !is_matt {
-        return Err(Failure::input("--format layers is for matt pieces: --eta 1 and --configuration diffuse"));
+        return Err(Failure::input(
+            "--format layers is for matt pieces: --eta 1 and --configuration diffuse",
+        ));
     }
     let (albedos, mfps) = (measurement.surface_albedos(), measurement.mfps());
     for (i, name) in CHANNELS.iter().enumerate() {

@@ -57,7 +57,9 @@ impl<'a> LayersReader<'a> {
     /// A key or value is wrong.
     pub(crate) fn read(&self, root: &Table<'_>) -> Result<Layers, SceneError> {
         let above = match root.get("above") {
-            Some(item) => item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| (self.number)(eta, Self::ETA))?,
+            Some(item) => {
+                item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| (self.number)(eta, Self::ETA))?
+            }
             None => 1.0,
         };
         let tables = root.tables("layer", Layers::MOST)?;

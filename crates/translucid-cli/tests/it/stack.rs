@@ -325,6 +325,7 @@ fn guide_prints_what_it_shows() {
                 std::fs::write(directory.path().join(name), text).unwrap();
             }
             "csv" => std::fs::write(directory.path().join("absorption.csv"), text).unwrap(),
+            "sh" => {}
             _ => {
                 for line in &block.lines {
                     match line.strip_prefix("$ translucid ") {
@@ -372,9 +373,15 @@ fn filament_is_its_color_and_transmission_distance() {
     assert!(!stderr(&run(plain.path(), "stack stack.toml")).contains("ransmission distances"));
     for (keys, expected) in [
         (filament(orange), "needs the key transmitted"),
-        (filament(&format!("{orange}, transmitted = 0.95")), "even a clear sheet with these faces lets only 0.9"),
+        (
+            filament(&format!("{orange}, transmitted = 0.95")),
+            "even a clear sheet with these faces lets only 0.9",
+        ),
         (filament("transmission_distance = 2, transmitted = 0.1"), "needs the key color"),
-        (filament(&format!("{orange}, transmitted = 0.1")) + "g = 0.5\n", "layer[0].g is given beside layer[0].filament"),
+        (
+            filament(&format!("{orange}, transmitted = 0.1")) + "g = 0.5\n",
+            "layer[0].g is given beside layer[0].filament",
+        ),
         (filament(&format!("{orange}, td = 3, transmitted = 0.1")), "has no key td"),
     ] {
         let directory = directory_with(&keys);

@@ -88,9 +88,8 @@ impl Filament {
 /// Diffuse and specular reflectance and the transmittance of a layer in air at 8°.
 fn totals(layer: Layer, ground: Ground) -> Result<(f64, f64, f64), String> {
     let layers = Layers::new(1.0, vec![layer], ground).map_err(|error| error.to_string())?;
-    let totals = layers
-        .totals(Incidence::Pencil { cos_theta: COS_8_DEGREES })
-        .map_err(|error| error.to_string())?;
+    let totals =
+        layers.totals(Incidence::Pencil { cos_theta: COS_8_DEGREES }).map_err(|error| error.to_string())?;
     let transmittance = totals.collimated_transmittance + totals.diffuse_transmittance;
     Ok((totals.diffuse_reflectance, totals.specular_reflectance, transmittance))
 }
@@ -112,11 +111,9 @@ mod tests {
         for (color, eta) in [([0.99, 0.16, 0.03], 1.46), ([0.7, 0.66, 0.55], 1.46), ([0.04; 3], 1.0)] {
             for (transmission_distance, transmitted) in [(6.6, 0.1), (0.3, 0.01), (2.0, MEANINGS[0])] {
                 let filament = Filament { color, transmission_distance, transmitted, eta };
-                let thick = Measurement::new(
-                    &stack(&filament, f64::INFINITY, Ground::None),
-                    Specular::Excluded,
-                )
-                .unwrap();
+                let thick =
+                    Measurement::new(&stack(&filament, f64::INFINITY, Ground::None), Specular::Excluded)
+                        .unwrap();
                 let face = translucid_profile::fresnel_from_outside(COS_8_DEGREES, eta);
                 for (found, expected) in thick.reflectance.iter().zip(color) {
                     let found = found / (1.0 - face);
@@ -132,12 +129,8 @@ mod tests {
 
     #[test]
     fn extremes_have_coefficients_or_a_reason() {
-        let filament = |color, transmitted| Filament {
-            color,
-            transmission_distance: 1.0,
-            transmitted,
-            eta: 1.46,
-        };
+        let filament =
+            |color, transmitted| Filament { color, transmission_distance: 1.0, transmitted, eta: 1.46 };
         // White absorbs nothing, and a channel without light as much as the darkest
         let [_, absorption] = filament([1.0, 0.0, DARKEST], 0.05).coefficients().unwrap();
         assert!(absorption[0] == 0.0 && absorption[1] == absorption[2] && absorption[1] > 0.0);

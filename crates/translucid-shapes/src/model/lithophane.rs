@@ -1,6 +1,6 @@
 //! A lithophane: a plate whose thickness is a picture once light is behind it, of a moon above mountains and a lake.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use translucid_scene::{Mesh, SceneError};
 
@@ -39,20 +39,21 @@ const PINES: [[f32; 3]; 7] = [
 ];
 
 /// Ridges by folded noise.
-fn ridge(x: f32, seed: u32) -> f32 {
-    let octave = |i: i32| {
-        let folded = 1.0 - noise(Vec3::new(x * 2.1_f32.powi(i), 0.5, 0.5), seed + i as u32).abs();
-        folded * 0.5_f32.powi(i)
-    };
-    0.5 * (0..6).map(octave).sum::<f32>()
+fn ridge(mut x: f32, seed: u32) -> f32 {
+    let (mut sum, mut weight) = (0.0, 0.5);
+    for octave in 0..6 {
+        sum += weight * (1.0 - noise(Vec3::new(x, 0.5, 0.5), seed + octave).abs());
+        (x, weight) = (2.1 * x, 0.5 * weight);
+    }
+    sum
 }
 
 /// Brightness above the shore.
 fn land(u: f32, v: f32) -> f32 {
     let [x, y] = [u - MOON[0], v - MOON[1]];
-    let r = (x * x + y * y).sqrt();
-    let glow = 0.42 * (-(r / 0.36) * (r / 0.36)).exp();
-    let mut light = 0.09 + 0.3 * (-(v - SHORE) / 0.45).exp() + glow;
+    let r = Vec2::new(x, y).length();
+    let glow = 0.42 * libm::expf(-(r / 0.36) * (r / 0.36));
+    let mut light = 0.09 + 0.3 * libm::expf(-(v - SHORE) / 0.45) + glow;
     let seas = fractal_noise(Vec3::new(7.0 * x, 7.0 * y, 0.3), 4, 4);
     let moon = 1.0 - 0.45 * smoothstep(-0.05, 0.35, seas);
     light += (moon - light) * smoothstep(0.174, 0.166, r);
@@ -82,7 +83,7 @@ fn picture(u: f32, v: f32) -> f32 {
     } else {
         // The lake mirrors the land, in waves that are longer nearby
         let near = SHORE - v;
-        let wave = (60.0 * (near + 0.05).ln() + 3.0 * (4.0 * u).sin()).sin();
+        let wave = libm::sinf(60.0 * libm::logf(near + 0.05) + 3.0 * libm::sinf(4.0 * u));
         0.85 * land(u + 0.03 * near * wave, SHORE + near + 0.05 * near * wave)
     };
     let trees = PINES.iter().map(|&tree| pine(u, v, tree)).fold(0.0, f32::max);
@@ -91,7 +92,7 @@ fn picture(u: f32, v: f32) -> f32 {
 
 /// Thickness of a plate that lets through the brightness, as if each layer took its part.
 fn thickness(brightness: f32) -> f32 {
-    let depth = brightness.clamp(DARKEST, 1.0).ln() / DARKEST.ln();
+    let depth = libm::logf(brightness.clamp(DARKEST, 1.0)) / libm::logf(DARKEST);
     THICKNESS[0] + (THICKNESS[1] - THICKNESS[0]) * depth
 }
 
