@@ -100,9 +100,10 @@ pub(super) fn layer(measurement: &Measurement, photo: &Path) -> Result<String, F
     }
     let (albedos, mfps) = (measurement.surface_albedos(), measurement.mfps());
     for (i, name) in CHANNELS.iter().enumerate() {
-        if albedos[i] <= 0.0 {
-            return Err(Failure::input(format!("the surface albedo of {name} is not known"))
-                .with_help("give --white, --white-photo or --surface-albedo"));
+        if !(albedos[i] > 0.0 && albedos[i] < 1.0) {
+            let what = if albedos[i] > 0.0 { "comes out as 1 or more" } else { "is not known" };
+            return Err(Failure::input(format!("the surface albedo of {name} {what}, so there is no layer"))
+                .with_help("measure it at an edge of a thick piece, and give --surface-albedo"));
         }
         if !measurement.fit.channels[i].is_seen {
             return Err(Failure::input(format!("the mean free path of {name} is not seen")));
