@@ -163,7 +163,7 @@ pub(crate) fn run(arguments: &StackArguments) -> Result<(), Failure> {
     let rgb = if channels == 3 { ", from red, green and blue" } else { "" };
     let illuminant = arguments.illuminant.to_uppercase();
     let conditions = format!("{illuminant}, {observer}° observer, d:8° with specular {specular}{rgb}");
-    output::write(arguments, &rows, spread_words(&rows, &spread), &conditions)
+    output::write(arguments, &rows, spread_words(&rows, &spread).as_deref(), &conditions)
 }
 
 impl StackArguments {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use translucid_laboratory::Cell;
-use translucid_measure::{CHANNELS, Interval, Measurement, Quantity, three_digits};
+use translucid_measure::{CHANNELS, Interval, Measurement, Quantity, Scale, three_digits};
 use translucid_profile::Configuration;
 
 use crate::failure::Failure;
@@ -100,8 +100,9 @@ pub(super) fn layer(measurement: &Measurement, photo: &Path) -> Result<String, F
     }
     let (albedos, mfps) = (measurement.surface_albedos(), measurement.mfps());
     for (i, name) in CHANNELS.iter().enumerate() {
-        if !(albedos[i] > 0.0 && albedos[i] < 1.0) {
-            let what = if albedos[i] > 0.0 { "comes out as 1 or more" } else { "is not known" };
+        let is_known = !matches!(measurement.scale, Scale::Unknown);
+        if !(is_known && albedos[i] > 0.0 && albedos[i] < 1.0) {
+            let what = if is_known { "comes out as 0, or as 1 or more" } else { "is not known" };
             return Err(Failure::input(format!("the surface albedo of {name} {what}, so there is no layer"))
                 .with_help("measure it at an edge of a thick piece, and give --surface-albedo"));
         }

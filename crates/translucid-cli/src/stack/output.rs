@@ -20,13 +20,13 @@ const COLUMNS: &str = "ground,reflectance,transmittance,X,Y,Z,L,a,b,srgb,in_srgb
 pub(super) fn write(
     arguments: &StackArguments,
     rows: &[Row],
-    spread: Option<String>,
+    spread: Option<&str>,
     conditions: &str,
 ) -> Result<(), Failure> {
     let (columns, cells) = if arguments.channels { channels(rows) } else { colors(rows) };
-    let text = arguments.format.text(&columns, &cells, || paragraph(rows, spread.as_deref(), conditions));
+    let text = arguments.format.text(&columns, &cells, || paragraph(rows, spread, conditions));
     let Some(path) = &arguments.output else { return print(&text) };
-    let swatch = || swatch(&arguments.file, rows, spread.as_deref(), conditions);
+    let swatch = || swatch(&arguments.file, rows, spread, conditions);
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let picture = match extension.as_deref().and_then(OsStr::to_str) {
         Some("svg") => swatch().svg().map(String::into_bytes),
