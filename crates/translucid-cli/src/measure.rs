@@ -17,7 +17,7 @@ use translucid_scene::ColorSpace;
 
 pub(crate) use self::arguments::MeasureArguments;
 use self::arguments::MeasureFormat;
-use self::report::{conversion, material, paragraphs, rows};
+use self::report::{conversion, layer, material, paragraphs, rows};
 use crate::failure::Failure;
 use crate::files::write_file;
 use crate::messages;
@@ -48,6 +48,7 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         MeasureFormat::Csv => TableFormat::Csv.text(&report::COLUMNS, &rows(&quantities)),
         MeasureFormat::Json => TableFormat::Json.text(&report::COLUMNS, &rows(&quantities)),
         MeasureFormat::Toml => material(&measurement, &arguments.photo),
+        MeasureFormat::Layers => layer(&measurement, &arguments.photo)?,
     };
     write(arguments, &text)
 }

@@ -8,10 +8,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use translucid_laboratory::colorimetry::{Colorimeter, Illuminant, Observer, delta_e_2000, delta_e_ab};
-use translucid_laboratory::stack::{Color, Measurement, Specular};
+use translucid_laboratory::stack::{Color, MEANINGS, Measurement, Specular};
 use translucid_reference::layers::Ground;
 
-use self::file::Stack;
+use self::file::{Stack, StackFile};
 use crate::failure::Failure;
 use crate::files::input_among;
 use crate::messages;
@@ -19,7 +19,8 @@ use crate::table::ReadableFormat;
 
 const EXAMPLES: &str = "\
 The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a
-table over wavelengths in nm. [grounds] has the reflectances of black and white.
+table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the
+reflectances of black and white.
 
 Columns: ground (black, white, below: that of the file), reflectance and transmittance (of luminance), X, Y, Z, L, a, b, srgb,
 in_srgb (no where srgb is only the nearest color of a display), error (numerical, at most, in Delta E*ab),
@@ -119,7 +120,7 @@ pub(crate) fn run(arguments: &StackArguments) -> Result<(), Failure> {
         return Err(Failure::input("--channels is a table, which --format text does not print")
             .with_help("use --format csv or json"));
     }
-    let file = file::read(&arguments.file)?;
+    let file = file::read(&arguments.file, None)?;
     let inputs = std::iter::once(&arguments.file).chain(&file.files).map(PathBuf::as_path);
     let output = arguments.output.as_deref();
     if let Some(path) = input_among(output.into_iter(), inputs) {
@@ -132,8 +133,19 @@ pub(crate) fn run(arguments: &StackArguments) -> Result<(), Failure> {
     let eye = arguments.eye(channels)?;
     file.notes.iter().for_each(|note| messages::print_note(note));
     let specular = if arguments.specular == "included" { Specular::Included } else { Specular::Excluded };
-    let row = |stack: &Stack| Row::new(stack, specular, &eye);
-    let rows = file.stacks.iter().map(row).collect::<Result<Vec<Row>, Failure>>()?;
+    let solve = |file: &StackFile| {
+        let row = |stack: &Stack| Row::new(stack, specular, &eye);
+        file.stacks.iter().map(row).collect::<Result<Vec<Row>, Failure>>()
+    };
+    let rows = solve(&file)?;
+    let mut spread = vec![0.0; if file.has_filaments { rows.len() } else { 0 }];
+    for meaning in MEANINGS.into_iter().filter(|_| file.has_filaments) {
+        for ((most, row), other) in
+            spread.iter_mut().zip(&rows).zip(solve(&file::read(&arguments.file, Some(meaning))?)?)
+        {
+            *most = f64::max(*most, delta_e_ab(row.color.lab, other.color.lab));
+        }
+    }
     let error = rows.iter().map(|row| row.error).fold(0.0, f64::max);
     if error > ERROR {
         messages::print_warning(&format!("numerical errors may change colors by up to {error:.2} ΔE*ab"));
@@ -143,16 +155,15 @@ pub(crate) fn run(arguments: &StackArguments) -> Result<(), Failure> {
     {
         messages::print_warning("grounds.black is lighter than grounds.white");
     }
-    if let Some(words) = kubelka_munk_words(&rows, OFF)
-        && arguments.format != ReadableFormat::Text
-    {
-        messages::print_note(&words);
+    let words = kubelka_munk_words(&rows, OFF);
+    if arguments.format != ReadableFormat::Text {
+        words.into_iter().chain(spread_words(&rows, &spread)).for_each(|words| messages::print_note(&words));
     }
     let [observer, specular] = [&arguments.observer, &arguments.specular];
     let rgb = if channels == 3 { ", from red, green and blue" } else { "" };
     let illuminant = arguments.illuminant.to_uppercase();
     let conditions = format!("{illuminant}, {observer}° observer, d:8° with specular {specular}{rgb}");
-    output::write(arguments, &rows, &conditions)
+    output::write(arguments, &rows, spread_words(&rows, &spread).as_deref(), &conditions)
 }
 
 impl StackArguments {
@@ -184,6 +195,15 @@ fn kubelka_munk_words(rows: &[Row], limit: f64) -> Option<String> {
         off.map(|row| format!("{:.2} over {}", row.kubelka_munk_delta_e(), row.place())).collect();
     let name = "Kubelka-Munk with Saunderson's correction is off by ΔE*ab";
     (!off.is_empty()).then(|| format!("{name} {}", off.join(", ")))
+}
+
+/// How far colors are off if transmission distances mean what other sources say, if there are any.
+fn spread_words(rows: &[Row], spread: &[f64]) -> Option<String> {
+    let off: Vec<String> =
+        rows.iter().zip(spread).map(|(row, off)| format!("{off:.2} over {}", row.place())).collect();
+    let parts = MEANINGS.map(|part| format!("{part:.2}")).join(", ");
+    let name = "transmission distances of other meanings, transmitted";
+    (!off.is_empty()).then(|| format!("{name} {parts}, change colors by up to ΔE*ab {}", off.join(", ")))
 }
 
 /// ΔE*ab and CIEDE2000 between the layers over white and over black, and Y over black divided by Y over white; not numbers

@@ -12,7 +12,7 @@ mod primitive;
 
 pub use parameters::{ShapeParameter, ShapeParameterKind, ShapeParameters};
 
-use model::{bust, candle, carving, ear, fruit, furniture, grapes, tableware, toy};
+use model::{bust, candle, carving, ear, fruit, furniture, grapes, lithophane, tableware, tooth, toy};
 use parameters::Values;
 use primitive::basic;
 use translucid_scene::{Mesh, SceneError};
@@ -45,6 +45,9 @@ const SHAPES: &[Shape] = &[
     Shape { name: "orange-half", parameters: fruit::ORANGE_HALF, build: fruit::orange_half },
     Shape { name: "melon-slice", parameters: fruit::MELON_SLICE, build: fruit::melon_slice },
     Shape { name: "grapes", parameters: grapes::GRAPES, build: grapes::grapes },
+    Shape { name: "lithophane", parameters: lithophane::LITHOPHANE, build: lithophane::lithophane },
+    Shape { name: "tooth", parameters: tooth::TOOTH, build: tooth::tooth },
+    Shape { name: "gum", parameters: tooth::GUM, build: tooth::gum },
     Shape { name: "duck", parameters: toy::DUCK, build: toy::duck },
     Shape { name: "brick", parameters: toy::BRICK, build: toy::brick },
     Shape { name: "candle", parameters: candle::CANDLE, build: candle::candle },

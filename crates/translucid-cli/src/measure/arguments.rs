@@ -22,6 +22,7 @@ Examples:
   translucid measure soap.png --mm-per-pixel 0.042 --white 100,80,400,260 --white-reflectance 0.9
   translucid measure soap.exr --mm-per-pixel 0.042 --surface-albedo 0.8 --region 900,400,2100,1600
   translucid measure soap.png --mm-per-pixel 0.042 --white-photo paper.png --format toml
+  translucid measure slice.exr --setup slab --thickness 4.2 --mm-per-pixel 0.05 --white 2,2,18,16 --format layers
   translucid measure laser.exr --setup spot --mm-per-pixel 0.042 --white-photo laser-on-paper.exr
   translucid measure ball.exr --scene ball.toml --fit material.surface_albedo,material.mfp";
 
@@ -120,6 +121,8 @@ pub(super) enum MeasureFormat {
     Json,
     /// A material for scene files
     Toml,
+    /// A file of layers for stack and reference --layers: the slab, or an endless layer
+    Layers,
 }
 
 /// Setup of a photograph, named by the thing that shapes the light on the piece.

@@ -4,7 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use translucid_laboratory::Cell;
-use translucid_measure::{CHANNELS, Interval, Measurement, Quantity, three_digits};
+use translucid_measure::{CHANNELS, Interval, Measurement, Quantity, Scale, three_digits};
+use translucid_profile::Configuration;
+
+use crate::failure::Failure;
 
 /// Columns of the table.
 pub(super) const COLUMNS: [&str; 8] =
@@ -81,6 +84,42 @@ pub(super) fn material(measurement: &Measurement, photo: &Path) -> String {
     }
     let name = photo.file_stem().unwrap_or_default().to_string_lossy();
     keys("mm", &name, measurement.surface_albedos(), measurement.mfps()) + &rest
+}
+
+/// The piece as a file of layers.
+///
+/// # Errors
+/// The words tell what layers have that was not measured, or is measured as something else.
+pub(super) fn layer(measurement: &Measurement, photo: &Path) -> Result<String, Failure> {
+    let options = &measurement.options;
+    let is_matt = options.configuration.is_none_or(|configuration| configuration == Configuration::Diffuse);
+    if options.eta != 1.0 || options.incidence.is_some() || !is_matt {
+        return Err(Failure::input(
+            "--format layers is for matt pieces: --eta 1 and --configuration diffuse",
+        ));
+    }
+    let (albedos, mfps) = (measurement.surface_albedos(), measurement.mfps());
+    for (i, name) in CHANNELS.iter().enumerate() {
+        let is_known = !matches!(measurement.scale, Scale::Unknown);
+        if !(is_known && albedos[i] > 0.0 && albedos[i] < 1.0) {
+            let what = if is_known { "comes out as 0, or as 1 or more" } else { "is not known" };
+            return Err(Failure::input(format!("the surface albedo of {name} {what}, so there is no layer"))
+                .with_help("measure it at an edge of a thick piece, and give --surface-albedo"));
+        }
+        if !measurement.fit.channels[i].is_seen {
+            return Err(Failure::input(format!("the mean free path of {name} is not seen")));
+        }
+    }
+    let list = |values: [f64; 3]| values.map(three_digits).join(", ");
+    let thickness = options.thickness.map_or_else(String::new, |length| format!("thickness = {length}\n"));
+    let g = if options.g == 0.0 { String::new() } else { format!("g = {}\n", options.g) };
+    let name = photo.file_name().unwrap_or_default().to_string_lossy();
+    Ok(format!(
+        "# {}; lengths in mm\n[[layer]]\n{thickness}surface_albedo = [{}]\nmfp = [{}]\n{g}",
+        name.replace(['\n', '\r'], "_"),
+        list(albedos),
+        list(mfps)
+    ))
 }
 
 /// A material's unit, name, surface albedo and mean free path, as keys of a scene file.

@@ -51,6 +51,9 @@ fn run_here(arguments: &MeasureArguments, scene_path: &Path) -> Result<(), Failu
         MeasureFormat::Csv => TableFormat::Csv.text(&COLUMNS, &rows(&quantities)),
         MeasureFormat::Json => TableFormat::Json.text(&COLUMNS, &rows(&quantities)),
         MeasureFormat::Toml => material(&fit),
+        MeasureFormat::Layers => {
+            return Err(Failure::input("--format layers is for photographs without --scene"));
+        }
     };
     write(arguments, &text)
 }

@@ -10,8 +10,6 @@ use translucid_scene::description::{Content, Item, Table};
 use translucid_scene::{Interval, SceneError};
 
 const COEFFICIENT: Interval = Interval::closed(0.0, 1e30);
-const ETA: Interval = Interval::closed(0.1, 10.0);
-const LENGTH: Interval = Interval::closed(1e-30, 1e30);
 const COSINE: Interval = Interval::open(-1.0, 1.0);
 const ANY: Interval = Interval::closed(-f64::MAX, f64::MAX);
 /// Most moments of a phase function.
@@ -46,6 +44,8 @@ pub(crate) struct LayersReader<'a> {
 impl<'a> LayersReader<'a> {
     /// Keys of a file that [`read`](Self::read) reads.
     pub(crate) const KEYS: [&'static str; 3] = ["above", "layer", "below"];
+    pub(crate) const ETA: Interval = Interval::closed(0.1, 10.0);
+    pub(crate) const LENGTH: Interval = Interval::closed(1e-30, 1e30);
 
     pub(crate) fn new(number: &'a ReadNumber<'a>) -> Self {
         Self { number, inversions: RefCell::default() }
@@ -57,7 +57,9 @@ impl<'a> LayersReader<'a> {
     /// A key or value is wrong.
     pub(crate) fn read(&self, root: &Table<'_>) -> Result<Layers, SceneError> {
         let above = match root.get("above") {
-            Some(item) => item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| (self.number)(eta, ETA))?,
+            Some(item) => {
+                item.table()?.allow(&["eta"])?.read("eta", 1.0, |eta| (self.number)(eta, Self::ETA))?
+            }
             None => 1.0,
         };
         let tables = root.tables("layer", Layers::MOST)?;
@@ -86,7 +88,7 @@ impl<'a> LayersReader<'a> {
         let table = table.allow(&keys)?;
         let thickness = table.read("thickness", f64::INFINITY, |item| match item.content() {
             Content::Float(f64::INFINITY) => Ok(f64::INFINITY),
-            _ => item.double(LENGTH),
+            _ => item.double(Self::LENGTH),
         })?;
         let g = table.read("g", 0.0, |item| (self.number)(item, COSINE))?;
         let layer = match (table.get("surface_albedo"), table.get("scattering")) {
@@ -113,7 +115,7 @@ impl<'a> LayersReader<'a> {
                 );
             }
         };
-        let layer = layer.with_eta(table.read("eta", 1.0, |item| (self.number)(item, ETA))?);
+        let layer = layer.with_eta(table.read("eta", 1.0, |item| (self.number)(item, Self::ETA))?);
         let Some(moments) = table.get("moments") else { return Ok(layer) };
         if table.get("g").is_some() {
             return Err(
@@ -137,7 +139,7 @@ impl<'a> LayersReader<'a> {
         }
         let refused = |error: translucid_profile::ParameterError| table.error(error.to_string());
         let albedo = (self.number)(albedo, Interval::above(0.0, 1.0))?;
-        let mfp = (self.number)(&table.require("mfp")?, LENGTH)?;
+        let mfp = (self.number)(&table.require("mfp")?, Self::LENGTH)?;
         let mut inversions = self.inversions.borrow_mut();
         let known = inversions.iter().position(|inversion| inversion.g() == g);
         let index = match known {
@@ -154,7 +156,7 @@ impl<'a> LayersReader<'a> {
     fn ground(&self, item: &Item<'_>) -> Result<Ground, SceneError> {
         let table = item.table()?.allow(&["eta", "reflectance"])?;
         match (table.get("eta"), table.get("reflectance")) {
-            (Some(eta), None) => Ok(Ground::Medium { eta: (self.number)(&eta, ETA)? }),
+            (Some(eta), None) => Ok(Ground::Medium { eta: (self.number)(&eta, Self::ETA)? }),
             (None, Some(reflectance)) => {
                 Ok(Ground::Lambertian { reflectance: (self.number)(&reflectance, Interval::UNIT)? })
             }

@@ -17,11 +17,16 @@ const COLUMNS: &str = "ground,reflectance,transmittance,X,Y,Z,L,a,b,srgb,in_srgb
                        kubelka_munk_delta_e,tp_ab,tp_2000,contrast_ratio";
 
 /// Writes the table to a file or stdout, and the swatch if a picture is asked for.
-pub(super) fn write(arguments: &StackArguments, rows: &[Row], conditions: &str) -> Result<(), Failure> {
+pub(super) fn write(
+    arguments: &StackArguments,
+    rows: &[Row],
+    spread: Option<&str>,
+    conditions: &str,
+) -> Result<(), Failure> {
     let (columns, cells) = if arguments.channels { channels(rows) } else { colors(rows) };
-    let text = arguments.format.text(&columns, &cells, || paragraph(rows, conditions));
+    let text = arguments.format.text(&columns, &cells, || paragraph(rows, spread, conditions));
     let Some(path) = &arguments.output else { return print(&text) };
-    let swatch = || swatch(&arguments.file, rows, conditions);
+    let swatch = || swatch(&arguments.file, rows, spread, conditions);
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let picture = match extension.as_deref().and_then(OsStr::to_str) {
         Some("svg") => swatch().svg().map(String::into_bytes),
@@ -67,7 +72,7 @@ fn channels(rows: &[Row]) -> Cells {
 }
 
 /// Lines for people.
-fn paragraph(rows: &[Row], conditions: &str) -> String {
+fn paragraph(rows: &[Row], spread: Option<&str>, conditions: &str) -> String {
     let mut text = format!(
         "{:<7}{:>12}{:>15}  L*, a*, b*                 sRGB\n",
         "over", "reflectance", "transmittance"
@@ -89,6 +94,9 @@ fn paragraph(rows: &[Row], conditions: &str) -> String {
     for line in contrast_words(rows).into_iter().chain(kubelka_munk_words(rows, 0.0)) {
         let _ = writeln!(text, "{line}");
     }
+    if let Some(line) = spread {
+        let _ = writeln!(text, "{}", sentence(line));
+    }
     let error = rows.iter().map(|row| row.error).fold(0.0, f64::max);
     let error = if error < ERROR { format!("{error:.0e}") } else { format!("{error:.2}") };
     let _ = writeln!(text, "{conditions}; numerical errors up to {error} ΔE*ab");
@@ -102,13 +110,18 @@ fn contrast_words(rows: &[Row]) -> Option<String> {
     (!tp_ab.is_nan()).then(|| format!("TP {tp_ab:.2} ΔE*ab, {tp_2000:.2} CIEDE2000{ratio}"))
 }
 
+/// Words with a capital letter.
+fn sentence(words: &str) -> String {
+    words[..1].to_uppercase() + &words[1..]
+}
+
 fn lab(row: &Row) -> String {
     // No negative zero
     let [l, a, b] = row.color.lab.map(|value| (100.0 * value).round() / 100.0 + 0.0);
     format!("{l:.2}, {a:.2}, {b:.2}")
 }
 
-fn swatch(file: &Path, rows: &[Row], conditions: &str) -> Swatch {
+fn swatch(file: &Path, rows: &[Row], spread: Option<&str>, conditions: &str) -> Swatch {
     let field = |row: &Row| {
         let nearest = if row.color.is_in_srgb() { "" } else { ", the nearest color of sRGB" };
         let mut lines = vec![
@@ -122,6 +135,6 @@ fn swatch(file: &Path, rows: &[Row], conditions: &str) -> Swatch {
         Field { name: format!("over {}", row.place()), ground: row.bare, layers: row.color, lines }
     };
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let lines = contrast_words(rows).into_iter().chain([conditions.to_owned()]);
+    let lines = contrast_words(rows).into_iter().chain(spread.map(sentence)).chain([conditions.to_owned()]);
     Swatch { title: name, lines: lines.collect(), fields: rows.iter().map(field).collect() }
 }

@@ -323,14 +323,10 @@ fn spot_gives_back_its_material() {
     }
 }
 
-/// A slab of 1.2 mm on a panel of light, half covered, by photons: one picture of a fixed seed, whose intervals of 99.9 % hold
-/// the truth. The walk's own noise is a tenth of the picture's.
-#[test]
-fn slab_gives_back_its_material() {
-    let (surface_albedo, mfp, thickness) = (0.8, 0.6, 1.2);
+/// The light of a panel through a slab beyond a line, by photons, at distances from it in mean free paths.
+fn through_slab(surface_albedo: f64, thickness: f64) -> impl Fn(f64) -> f64 {
     let alpha = single_scattering_albedo(surface_albedo, 1.0, Incidence::Cosine).unwrap();
-    let parameters =
-        Parameters { thickness: thickness / mfp, incidence: Incidence::Cosine, ..Parameters::default() };
+    let parameters = Parameters { thickness, incidence: Incidence::Cosine, ..Parameters::default() };
     let radii: Vec<f64> = (1..=300).map(|i| 0.05 * f64::from(i)).collect();
     let layout = Layout::new(&radii, 1).unwrap();
     let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, 0.995).unwrap();
@@ -338,10 +334,18 @@ fn slab_gives_back_its_material() {
     let walk = table.at_albedo(alpha).unwrap();
     let rings: Vec<f64> = (0..300).map(|i| walk.ring(Side::Transmitted, i).value).collect();
     // The part of each ring beyond a line
-    let beyond = |x: f64| {
+    move |x: f64| {
         let part = |i: usize| rings[i] * (x / (radii[i] - 0.025)).clamp(-1.0, 1.0).acos() / PI;
         (0..300).map(part).sum::<f64>()
-    };
+    }
+}
+
+/// A slab of 1.2 mm on a panel of light, half covered, by photons: one picture of a fixed seed, whose intervals of 99.9 % hold
+/// the truth. The walk's own noise is a tenth of the picture's.
+#[test]
+fn slab_gives_back_its_material() {
+    let (surface_albedo, mfp, thickness) = (0.8, 0.6, 1.2);
+    let beyond = through_slab(surface_albedo, thickness / mfp);
     let directory = tempfile::tempdir().unwrap();
     // The panel is where the white card is, and shows 0.45
     save(&directory.path().join("edge.exr"), |x, _, _| 0.45 * beyond(-x / mfp));
@@ -362,6 +366,50 @@ fn slab_gives_back_its_material() {
     };
     check(&format!("{WORDS} --white 2,2,18,8 {slab}"), 6);
     check(&format!("{WORDS} --surface-albedo {surface_albedo} {slab}"), 3);
+}
+
+/// A small and noisy photograph of a wedge of two steps on a panel of light, by photons: with a known surface albedo the thin
+/// step's layer has the color of the true one over black and over white, and what the photograph does not tell is refused.
+#[test]
+fn wedge_becomes_layers_of_its_color() {
+    let (surface_albedo, mfp, steps) = (0.8, 0.6, [1.2, 2.4]);
+    let beyond = steps.map(|thickness| through_slab(surface_albedo, thickness / mfp));
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    save(&path("edge.exr"), |x, y, _| 0.45 * beyond[usize::from(y > 0.0)](-x / mfp));
+    let colors = |file: &str| {
+        let json = stdout(directory.path(), &format!("stack {file} --format json"));
+        let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let lab = |row: usize| ["L", "a", "b"].map(|key| rows[row][key].as_f64().unwrap());
+        [lab(0), lab(1)]
+    };
+    let words = |thickness: f64, region: &str, more: &str| {
+        format!(
+            "measure edge.exr --mm-per-pixel 0.1 --region {region} --setup slab --thickness {thickness} --format layers {more}"
+        )
+    };
+    let [near, far] = ["21,0,150,34", "21,56,150,90"];
+    stdout(directory.path(), &words(steps[0], near, "--surface-albedo 0.8 -o step.toml"));
+    let truth =
+        format!("[[layer]]\nthickness = {}\nsurface_albedo = {surface_albedo}\nmfp = {mfp}\n", steps[0]);
+    std::fs::write(path("truth.toml"), truth).unwrap();
+    for (found, expected) in colors("step.toml").into_iter().zip(colors("truth.toml")) {
+        let distance = translucid_laboratory::colorimetry::delta_e_2000(found, expected);
+        assert!(distance < 3.0, "{found:?}, expected {expected:?}: {distance}");
+    }
+    // What such a photograph does not tell makes no layer; nor do other definitions of the surface albedo
+    for (words, expected) in [
+        (words(steps[1], far, "--surface-albedo 0.8"), "the mean free path of red is not seen"),
+        (
+            words(steps[0], near, "--white 2,2,18,8"),
+            "the surface albedo of red comes out as 0, or as 1 or more",
+        ),
+        (words(steps[0], near, ""), "the surface albedo of red is not known"),
+        (words(steps[0], near, "--surface-albedo 0.8 --configuration searchlight"), "is for matt pieces"),
+    ] {
+        let message = stderr(&run(directory.path(), &words));
+        assert!(message.contains(expected), "{words}: {message}");
+    }
 }
 
 /// A photograph of white paper in place of the piece takes dark corners and uneven light out.

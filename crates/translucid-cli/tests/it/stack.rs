@@ -325,6 +325,7 @@ fn guide_prints_what_it_shows() {
                 std::fs::write(directory.path().join(name), text).unwrap();
             }
             "csv" => std::fs::write(directory.path().join("absorption.csv"), text).unwrap(),
+            "sh" => {}
             _ => {
                 for line in &block.lines {
                     match line.strip_prefix("$ translucid ") {
@@ -337,4 +338,54 @@ fn guide_prints_what_it_shows() {
     }
     assert!(shown.lines().count() > 8);
     assert_eq!(printed, shown);
+}
+
+/// A filament's layer is that of its coefficients; other meanings of the transmission distance are noted, and faults named.
+#[test]
+fn filament_is_its_color_and_transmission_distance() {
+    let layer = |keys: &str| format!("[[layer]]\nthickness = 0.4\neta = 1.46\n{keys}\n");
+    let filament = |words: &str| layer(&format!("filament = {{ {words} }}"));
+    let orange = "color = '#fe6e32', transmission_distance = 6.6";
+    let directory = directory_with(&filament(&format!("{orange}, transmitted = 0.1")));
+    let found = rows(directory.path(), "");
+    let color = [0xfe, 0x6e, 0x32].map(|code| {
+        let x = f64::from(code) / 255.0;
+        ((x + 0.055) / 1.055_f64).powf(2.4)
+    });
+    let filament_of = translucid_laboratory::stack::Filament {
+        color,
+        transmission_distance: 6.6,
+        transmitted: 0.1,
+        eta: 1.46,
+    };
+    let [scattering, absorption] = filament_of.coefficients().unwrap();
+    let plain = directory_with(&layer(&format!("scattering = {scattering:?}\nabsorption = {absorption:?}")));
+    for (row, expected) in found.as_array().unwrap().iter().zip(rows(plain.path(), "").as_array().unwrap()) {
+        for column in ["X", "Y", "Z"] {
+            let [found, expected] = [row, expected].map(|row| number(&row[column]));
+            assert!((found - expected).abs() < 1e-3, "{column}: {found}, expected {expected}");
+        }
+    }
+    let text = stdout(directory.path(), "stack stack.toml --format text");
+    let note = "ransmission distances of other meanings, transmitted 0.37, 0.10, 0.05, 0.01, change colors by up to ΔE*ab ";
+    assert!(text.contains(&format!("T{note}")), "{text}");
+    assert!(stderr(&run(directory.path(), "stack stack.toml")).contains(&format!("t{note}")));
+    assert!(!stderr(&run(plain.path(), "stack stack.toml")).contains("ransmission distances"));
+    for (keys, expected) in [
+        (filament(orange), "needs the key transmitted"),
+        (
+            filament(&format!("{orange}, transmitted = 0.95")),
+            "even a clear sheet with these faces lets only 0.9",
+        ),
+        (filament("transmission_distance = 2, transmitted = 0.1"), "needs the key color"),
+        (
+            filament(&format!("{orange}, transmitted = 0.1")) + "g = 0.5\n",
+            "layer[0].g is given beside layer[0].filament",
+        ),
+        (filament(&format!("{orange}, td = 3, transmitted = 0.1")), "has no key td"),
+    ] {
+        let directory = directory_with(&keys);
+        let message = stderr(&run(directory.path(), "stack stack.toml"));
+        assert!(message.contains(expected), "{message}");
+    }
 }

@@ -5,11 +5,18 @@ use translucid_reference::layers::{Ground, Layer, Layers};
 
 use super::{COS_8_DEGREES, Specular};
 
-/// Reflectance of layers by P. Kubelka and F. Munk 1931, with J. L. Saunderson's correction (1942) for faces.
+/// Reflectance of layers by P. Kubelka and F. Munk, "Ein Beitrag zur Optik der Farbanstriche", 1931, in the form of
+/// P. Kubelka, "New contributions to the optics of intensely light-scattering materials. Part I", 1948.
 ///
 /// K = 2σ_a and S = ¾σ_s(1 − g) − ¼σ_a, as M. J. C. van Gemert and W. M. Star 1987 have them (in W.-F. Cheong, S. A. Prahl and
-/// A. J. Welch 1990); S is at least 0. The first face reflects k₁ of the light at 8° and k₂ of diffuse light from inside; all
-/// other faces meet diffuse light.
+/// A. J. Welch, "A review of the optical properties of biological tissues", 1990); S is at least 0.
+/// Faces are those of J. L. Saunderson, "Calculation of the color of pigmented plastics", 1942:
+///
+/// ```text
+/// R = k₁ + (1 − k₁)(1 − k₂) R_i / (1 − k₂ R_i)
+/// ```
+///
+/// The first face reflects k₁ of the light at 8° and k₂ of diffuse light from inside; all other faces meet diffuse light.
 pub fn kubelka_munk(layers: &Layers, specular: Specular) -> f64 {
     let etas: Vec<f64> =
         std::iter::once(layers.eta_above()).chain(layers.layers().iter().map(|layer| layer.eta)).collect();

@@ -4,9 +4,11 @@
 //! By reciprocity it finds the reflectance and transmittance of a beam that arrives at 8°, which [`Layers::totals`] solves.
 //! Layers are given channel by channel: one, three of linear Rec. 709, or those of a [`Spectrum`].
 
+mod filament;
 mod kubelka_munk;
 mod swatch;
 
+pub use filament::{Filament, MEANINGS};
 pub use kubelka_munk::kubelka_munk;
 pub use swatch::{Field, Swatch};
 

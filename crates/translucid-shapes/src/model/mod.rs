@@ -7,5 +7,7 @@ pub(super) mod ear;
 pub(super) mod fruit;
 pub(super) mod furniture;
 pub(super) mod grapes;
+pub(super) mod lithophane;
 pub(super) mod tableware;
+pub(super) mod tooth;
 pub(super) mod toy;
