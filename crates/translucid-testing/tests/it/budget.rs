@@ -22,7 +22,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-measure", 4150),
     ("translucid-profile", 8000),
     ("translucid-python", 5180),
-    ("translucid-reference", 10520),
+    ("translucid-reference", 10560),
     ("translucid-render", 17650),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2140),
