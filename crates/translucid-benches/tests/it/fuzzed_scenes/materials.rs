@@ -62,11 +62,17 @@ fn subsurface(text: &mut Text, random: &mut Random, size: f64) {
     } else {
         text.set_number("subsurface_weight", random.pick(&[0.0, 0.5, 1.0, 1.0]));
     }
-    set_color(text, random, "subsurface_color", 1.0);
+    // A profile of layers takes no textures
+    let is_layered = random.chance(0.05);
+    if is_layered {
+        text.set_color("subsurface_color", random.color());
+    } else {
+        set_color(text, random, "subsurface_color", 1.0);
+    }
     let between = random.unit();
     let radius = [0.0, 1e-40, 1e-9, 1e-3 * size, 0.1 * size, between * size, size, 1.0, 1e9];
     let radius = random.pick(&radius);
-    if random.chance(0.2) {
+    if random.chance(0.2) && !is_layered {
         set_scalar(text, random, "subsurface_radius", radius);
     } else {
         text.set_number("subsurface_radius", radius);
@@ -77,13 +83,17 @@ fn subsurface(text: &mut Text, random: &mut Random, size: f64) {
     let g = random.pick(&[-0.999, -0.99, -0.5, 0.0, 0.0, 0.0, between, 0.9, 0.99, 0.999, 1.0 - 1e-7]);
     text.set_number("subsurface_scatter_anisotropy", g);
     text.set_number("subsurface_eta", random.pick(&[0.5, 0.999, 1.0, 1.0, 1.0, 1.0001, 1.4, 3.0]));
-    if random.chance(0.03) {
+    if is_layered {
+        text.set_text("subsurface_model", SubsurfaceModel::Layers.name());
+    } else if random.chance(0.03) {
         text.set_text("subsurface_table", PROFILE);
     } else {
-        text.set_text("subsurface_model", random.pick(&SubsurfaceModel::ALL).name());
+        let others = SubsurfaceModel::ALL.into_iter().filter(|model| *model != SubsurfaceModel::Layers);
+        text.set_text("subsurface_model", random.pick(&others.collect::<Vec<_>>()).name());
     }
     text.set_text("subsurface_parameter", random.pick(&["mfp", "dmfp"]));
-    text.set_text("subsurface_configuration", random.pick(&["searchlight", "diffuse"]));
+    let configuration = random.pick(&["searchlight", "diffuse"]);
+    text.set_text("subsurface_configuration", if is_layered { "diffuse" } else { configuration });
     text.set_text("subsurface_texture_at", random.pick(&["exit", "entry", "both"]));
     text.set_text("subsurface_normalization", random.pick(&["none", "none", "none", "energy"]));
     text.set_text("camera_visibility", random.pick(&["surface", "surface", "surface", "shadow", "none"]));
