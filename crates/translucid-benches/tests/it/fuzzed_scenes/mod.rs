@@ -31,7 +31,7 @@ use glam::Vec3;
 use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{FilmSums, Outcome, layer};
 use translucid_scene::description::Slot;
-use translucid_scene::{Light, Object, Scene};
+use translucid_scene::{Light, Object, Pixels, Scene};
 use translucid_testing::power;
 
 use crate::common::{prepare_with_points, render};
@@ -249,7 +249,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         }
         Err(error) => return Verdict::Refused(error.message),
     };
-    let dark = is_dark(&scene);
+    let (dark, signed) = (is_dark(&scene), is_sky_signed(&scene));
     let renderer = match prepare_with_points(scene, MOST_POINT_BYTES) {
         Ok(renderer) => renderer,
         Err(error) => return Verdict::Refused(error.message),
@@ -259,7 +259,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
     if outcome != Outcome::Finished {
         return Verdict::Bad(format!("ends as {outcome:?}"));
     }
-    match complaint(&film, dark) {
+    match complaint(&film, dark, signed) {
         Some(what) => Verdict::Bad(what),
         None => Verdict::Good(before.zip(thread_cpu_seconds()).map(|(before, after)| after - before)),
     }
@@ -279,11 +279,19 @@ fn is_dark(scene: &Scene) -> bool {
     sky == Vec3::ZERO && scene.lights.iter().all(is_black) && !scene.objects.iter().any(emits)
 }
 
+/// Returns `true` if the sky has negative values, as colors beyond the primaries do: behind everything they are seen as they
+/// are.
+fn is_sky_signed(scene: &Scene) -> bool {
+    let image =
+        scene.environment.and_then(|environment| environment.image).map(|index| &scene.images[index].pixels);
+    matches!(image, Some(Pixels::Float(pixels)) if pixels.iter().flatten().any(|value| *value < 0.0))
+}
+
 /// Defect of a film, if it has one.
-fn complaint(film: &FilmSums, dark: bool) -> Option<String> {
+fn complaint(film: &FilmSums, dark: bool, is_sky_signed: bool) -> Option<String> {
     let light = layer::DIFFUSE.start..layer::EMISSION.end;
     let good = |index: usize, sum: f64| {
-        let signed = layer::NORMAL.contains(&index);
+        let signed = layer::NORMAL.contains(&index) || is_sky_signed && layer::EMISSION.contains(&index);
         let black = !(dark && light.contains(&index)) || sum == 0.0;
         sum.is_finite() && (signed || sum >= 0.0) && black
     };
