@@ -14,13 +14,16 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Opens what a name means: `cpu` the processor; `gpu` the best graphics processor; `auto` that, or the processor where
-    /// there is none; else a device by a part of its name, in any case of letters.
+    /// Opens what a name means, in any case of letters: `cpu` the processor; `gpu` the best graphics processor; `auto` that,
+    /// or the processor where there is none; else a device by a part of its name.
     ///
     /// # Errors
     /// There is no such device, it cannot be used, or the program was built without devices; the message says what there is.
     pub fn open(name: &str) -> Result<Self, String> {
-        match name {
+        if name.trim().is_empty() {
+            return Err("the name of the device is empty".to_owned());
+        }
+        match name.to_lowercase().as_str() {
             "cpu" => Ok(Self::default()),
             "auto" => Ok(match open_device("gpu") {
                 Ok((device, name)) => {
@@ -65,4 +68,19 @@ pub fn devices() -> Result<Vec<DeviceDescription>, String> {
 #[cfg(not(feature = "device"))]
 pub fn devices() -> Result<Vec<DeviceDescription>, String> {
     Err(WITHOUT.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_in_any_case_and_not_empty() {
+        assert!(Choice::open("CPU").unwrap().device.is_none());
+        let auto = Choice::open("Auto").unwrap();
+        assert!(auto.note.is_some_and(|note| note.starts_with("the ")));
+        for empty in ["", " "] {
+            assert_eq!(Choice::open(empty).err().unwrap(), "the name of the device is empty");
+        }
+    }
 }

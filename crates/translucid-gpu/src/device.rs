@@ -26,8 +26,9 @@ const CELL_WORDS: usize = 3;
 const BATCH: u64 = 1 << 30;
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
-/// Photons under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
-const SLOTS: (u32, u32) = (1 << 18, 1 << 13);
+/// Photons under way at a time: as many as the threads of the largest processors of 2025; and on a central processor, where
+/// a stop waits for all of them.
+const SLOTS: (u32, u32) = (1 << 18, 1 << 10);
 /// Steps of a dispatch, at the start and at most. (Mesa's llvmpipe ends loops after 65,535 iterations.)
 const STEPS: (u32, u32) = (64, 4096);
 /// Time that a dispatch is to take: systems kill those that take seconds.

@@ -67,7 +67,8 @@ pub(crate) struct Law {
 /// Bounds of the bins, as words.
 #[derive(Clone, Debug)]
 pub(crate) struct Bins {
-    /// Squared radii, cosine and sine of the angles between sectors, first orders of all bins but the first.
+    /// Squared radii rounded, cosine and sine of the angles between sectors, first orders of all bins but the first, and
+    /// what the rounding of squared radii left out.
     pub(crate) bounds: Vec<u32>,
     pub(crate) radii: u32,
     pub(crate) sectors: u32,
@@ -167,11 +168,12 @@ fn bins(walk: &DeviceWalk) -> Result<Bins, String> {
     let (layout, radii) = (walk.layout, walk.layout.radii());
     if let Some([inner, outer]) = radii.windows(2).find(|pair| pair[1] - pair[0] < LEAST_GAP * pair[1]) {
         return Err(format!(
-            "the radii {inner} and {outer} are too close for single precision: on a device they are to differ by {LEAST_GAP} of \
-             themselves at least"
+            "the radii {inner} and {outer} of rings are too close for single precision: on a device they are to differ by \
+             {LEAST_GAP} of themselves at least"
         ));
     }
     let squares = radii.iter().map(|r| ((r * r) as f32).to_bits());
+    let rests = radii.iter().map(|r| ((r * r - f64::from((r * r) as f32)) as f32).to_bits());
     let angle = |bound: usize| std::f64::consts::PI * bound as f64 / layout.sectors() as f64;
     let between = (1..layout.sectors()).flat_map(|bound| {
         let (sine, cosine) = libm::sincos(angle(bound));
@@ -180,7 +182,7 @@ fn bins(walk: &DeviceWalk) -> Result<Bins, String> {
     let orders = layout.order_bins();
     let first_orders = (1..orders.len()).map(|bin| orders.orders(bin).0);
     Ok(Bins {
-        bounds: squares.chain(between).chain(first_orders).collect(),
+        bounds: squares.chain(between).chain(first_orders).chain(rests).collect(),
         radii: radii.len() as u32,
         sectors: layout.sectors() as u32,
         order_bins: orders.len() as u32,

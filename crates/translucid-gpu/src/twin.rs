@@ -117,6 +117,16 @@ fn random(key: [u32; 4], index: u64, step: u32) -> [u32; 4] {
     v
 }
 
+fn squared_distance(x: f32, y: f32) -> [f32; 2] {
+    let [a, b] = [x, y].map(|x| f32::from_bits(x.to_bits() & 0xffff_f000));
+    let (p, q) = (a * a, b * b);
+    let upper = p + q;
+    let lost = p.min(q) - (upper - p.max(q));
+    let rest = lost + ((x - a) * (x + a) + (y - b) * (y + b));
+    let sum = upper + rest;
+    [sum, rest - (sum - upper)]
+}
+
 fn reflectance(mu: f32, side: &Interface) -> f32 {
     let squared = mu * mu * side.eta_squared + side.one_minus_eta_squared;
     if squared <= 0.0 {
@@ -238,10 +248,14 @@ impl Law {
 
     fn count(&self, [x, y]: [f32; 2], order: u32, is_transmitted: bool, tally: &mut DeviceTally) {
         let bins = &self.bins;
-        let (squares, rest) = bins.bounds.split_at(bins.radii as usize);
-        let (between, orders) = rest.split_at(2 * (bins.sectors - 1) as usize);
-        let square = (x * x + y * y).to_bits();
-        let ring = squares.iter().filter(|bound| **bound <= square).count();
+        let (squares, more) = bins.bounds.split_at(bins.radii as usize);
+        let (between, more) = more.split_at(2 * (bins.sectors - 1) as usize);
+        let (orders, rests) = more.split_at(bins.order_bins as usize - 1);
+        let [square, rest] = squared_distance(x, y);
+        let is_within = |(&bound, &bound_rest): (&u32, &u32)| {
+            square.to_bits() < bound || square.to_bits() == bound && rest < f32::from_bits(bound_rest)
+        };
+        let ring = squares.len() - squares.iter().zip(rests).filter(|bound| is_within(*bound)).count();
         let is_beyond = |bound: &&[u32; 2]| {
             let [cosine, sine] = bound.map(f32::from_bits);
             cosine * y.abs() - sine * x > 0.0

@@ -69,8 +69,12 @@ function apply(handle, quantity, x, taken) {
     const isOne = typeof x === "number";
     if (!isOne && (typeof x !== "object" || typeof x?.length !== "number")) throw new TypeError(`${quantity} takes a number or numbers`);
     const numbers = isOne ? [x] : x;
+    if (!(numbers.length >= 0 && numbers.length <= MOST)) throw new TranslucidError(`${quantity} is given ${numbers.length} numbers, but takes at most ${MOST} at a time`);
     return call("apply", { handle, options: { quantity, isOne }, numbers }, (found) => taken(found, isOne));
 }
+
+/// Most numbers of a call: with copies, values and errors they fit in the memory of a module, 4 GiB.
+const MOST = 5e7;
 
 const values = (found, isOne) => (isOne ? found[0] : found.slice());
 

@@ -53,7 +53,8 @@ struct Counters {
 }
 
 @group(0) @binding(0) var<uniform> settings: Settings;
-// Squared radii, cosines and sines between sectors, first orders of bins but the first.
+// Squared radii rounded, cosines and sines between sectors, first orders of bins but the first, and what the rounding of
+// squared radii left out.
 @group(0) @binding(1) var<storage, read> bounds: array<u32>;
 @group(0) @binding(2) var<storage, read_write> slots: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counters: Counters;

@@ -133,6 +133,35 @@ pub(crate) fn table(
     table
 }
 
+/// Points across rings as narrow as are allowed, at all magnitudes: each is in the ring of its exact place.
+#[test]
+fn rings_are_as_narrow_as_their_radii_say() {
+    for radius in [1e-12, 0.03, 1.0, 999.0, 4e4, 1e12] {
+        let radii: Vec<f64> = (0..8).map(|i| radius * (1.0 + 1.1e-6 * f64::from(i))).collect();
+        let layout = Layout::new(&radii, 1).unwrap();
+        let problem = Problem::new(Parameters::default()).unwrap();
+        let walk = DeviceWalk { problem: &problem, layout: &layout, reference_albedo: 0.9, seed: 0 };
+        let law = Law::new(&walk).unwrap();
+        for i in 0..20_000u32 {
+            let (r, angle) = (radius * (1.0 + 5e-10 * f64::from(i)), 0.37 * f64::from(i));
+            let (sine, cosine) = libm::sincos(angle);
+            let place = [(r * cosine) as f32, (r * sine) as f32];
+            let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
+            law.count(place, 0, false, &mut tally);
+            let [x, y] = place.map(f64::from);
+            let ring = |shift: f64| {
+                let square = (x * x + y * y) * (1.0 + shift);
+                radii.iter().filter(|radius| *radius * *radius <= square).count()
+            };
+            let found = tally.exits.iter().position(|cell| cell.0 == 1).unwrap() / layout.order_bins().len();
+            assert!(found == ring(-1e-10) || found == ring(1e-10), "{radius} {i}: {found} {}", ring(0.0));
+        }
+    }
+    // Squares that overflow are beyond all radii
+    let walk = Parameters { spot_radius: 1e30, ..Parameters::default() };
+    assert_eq!(table(walk, 0.5, 1, 100, Some(&Twin)).exits(Side::Reflected, Region::Within(5)), 0);
+}
+
 /// 448 figures against the exact solution: four indices, light at the normal and from everywhere, eight albedos from one
 /// walk, total and energies within six radii. |z| < 5, false alarm 3e-4 in all; less than 100 photons in effect say
 /// nothing of their own error.

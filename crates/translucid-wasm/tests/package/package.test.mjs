@@ -196,6 +196,10 @@ test("arguments that cannot be used are refused by name", () => {
     ]) {
         refused(f, message);
     }
+    // Nor do they harm what follows
+    refused(() => jade.eval({ length: 5e8 }), "eval is given 500000000 numbers, but takes at most 50000000 at a time");
+    refused(() => jade.eval({ length: -1 }), "eval is given -1 numbers, but takes at most 50000000 at a time");
+    assert.ok(jade.eval(1) > 0);
     assert.throws(() => jade.eval("1"), TypeError);
     assert.throws(() => jade.eval(), TypeError);
     jade.free();
