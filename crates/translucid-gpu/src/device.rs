@@ -208,7 +208,8 @@ impl Device for Gpu {
         let work = Work::new(self, &law, slots)?;
         let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
         let mut first = photons.start;
-        while first < photons.end && !stops() {
+        // The first batch launches photons in any case: to compile shaders may have taken all the time there was
+        while first < photons.end && (first == photons.start || !stops()) {
             let batch = (photons.end - first).min(BATCH);
             let launched = work.walk(first, batch as u32, stops, progress, &mut tally)?;
             first += launched;
