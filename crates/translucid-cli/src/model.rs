@@ -179,10 +179,12 @@ impl ModelArguments {
                 let help = "use it with render; the exact profile of the same medium is --model exact";
                 return Err(Failure::input(message).with_help(help));
             }
-            SubsurfaceModel::Default
-            | SubsurfaceModel::Tabulated(_)
-            | SubsurfaceModel::Layers
-            | SubsurfaceModel::None => {
+            SubsurfaceModel::Layers => {
+                let message = "the model layers has the profile of a scene's material, and here is none";
+                return Err(Failure::input(message)
+                    .with_help("that of layers in a file is printed by reference --layers FILE --at R"));
+            }
+            SubsurfaceModel::Default | SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => {
                 return Err(Failure::input(format!(
                     "the model {} has no profile",
                     self.model.model().name()

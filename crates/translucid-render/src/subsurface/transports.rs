@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{Object, Scene, SubsurfaceMethod};
+use translucid_scene::{Object, Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use super::exit_point::ExitPoint;
 use super::normalization::Normalizer;
@@ -124,7 +124,10 @@ impl Transports {
 
     /// Notes for the user on materials whose layers follow surfaces inside a body of several meshes.
     pub(crate) fn notes_on_layers(scene: &Scene) -> Vec<Note> {
-        let has_layers = |object: &&Object| !scene.materials[object.material].layers.is_empty();
+        let has_layers = |object: &&Object| {
+            let material = &scene.materials[object.material];
+            !material.layers.is_empty() && material.subsurface_model != SubsurfaceModel::Layers
+        };
         let mut notes: Vec<Note> = Vec::new();
         for object in scene.objects.iter().filter(has_layers).take(MOST_LAYERED) {
             let name = &scene.materials[object.material].name;

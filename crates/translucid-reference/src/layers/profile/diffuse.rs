@@ -525,6 +525,7 @@ mod tests {
                 1.0,
                 vec![layer(6.0, 0.4, 0.15, 0.0), layer(0.1, 0.02, 0.4, 0.0), layer(1.0, 0.005, endless, 0.0)],
             ),
+            ("absorber below", 1.0, vec![layer(5.0, 1.6, 0.1, 0.7), layer(0.0, 2.0, endless, 0.0)]),
             ("bright below", 1.0, vec![layer(1.0, 0.001, 0.5, -0.3), layer(10.0, 0.01, endless, 0.8)]),
         ];
         let photons = if is_thorough() { 20_000_000 } else { 300_000 };

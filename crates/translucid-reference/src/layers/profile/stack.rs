@@ -452,10 +452,10 @@ impl Sheet {
                     reached[1].extend((0..rule.nodes.len()).map(|node| passed(node).im));
                     through = passed(rule.nodes.len());
                 }
-                if panels.is_empty() {
-                    through = crate::exact::complex::exp(-sigma * (layer.thickness / mu));
-                } else if layer.thickness.is_infinite() {
+                if layer.thickness.is_infinite() {
                     through = Complex64::ZERO;
+                } else if panels.is_empty() {
+                    through = crate::exact::complex::exp(-sigma * (layer.thickness / mu));
                 }
                 streams.push(Stream { through, reached, panels: distinct });
             }

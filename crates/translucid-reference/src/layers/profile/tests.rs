@@ -401,3 +401,20 @@ fn errors_of_stacks_with_clear_layers_are_honest() {
         assert!((found.value - walked).abs() < found.error + 4.0 * error, "{r}: {found:?} {walked}");
     }
 }
+
+/// An endless layer that absorbs alone is a black ground.
+#[test]
+fn absorbers_below_are_black_ground() {
+    let paint = Layer::new(5.0, 1.6, 0.1).with_g(0.7);
+    let below = Layer::new(0.0, 2.0, f64::INFINITY);
+    let found = profile(vec![paint.clone(), below], Ground::None);
+    let black = profile(vec![paint], Ground::BLACK);
+    for r in [0.05, 0.2, 0.5] {
+        let [found, expected] = [&found, &black].map(|profile| profile.reflectance(r));
+        let error = found.error + expected.error;
+        assert!(
+            (found.value - expected.value).abs() <= error && error < 0.1 * expected.value,
+            "{r}: {found:?} {expected:?}"
+        );
+    }
+}
