@@ -140,8 +140,8 @@ fn make(words: &[&str], tunables: &str) -> Made {
     }
     let models = String::from_utf8(run("models")).unwrap();
     for model in models.lines().filter_map(|line| line.split_whitespace().next()) {
-        // Walks have no profile
-        if model.starts_with("random-walk") || ["none", "default"].contains(&model) {
+        // Walks have no profile, and layers that of a scene
+        if model.starts_with("random-walk") || ["none", "default", "layers"].contains(&model) {
             continue;
         }
         let line = format!("profile --model {model} --surface-albedo 0.7 --mfp 1 --at 0.01,0.3,3,30");
