@@ -1,4 +1,4 @@
-//! What the user calls a device.
+//! The choice of a device by the name that a user gives it.
 
 use translucid_reference::walk::Device;
 

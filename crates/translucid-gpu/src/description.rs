@@ -1,4 +1,4 @@
-//! What a device is.
+//! Descriptions of the devices of a machine.
 
 /// A device as its system describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]

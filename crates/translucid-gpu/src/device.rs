@@ -236,7 +236,7 @@ struct Work<'a> {
     cells_read: wgpu::Buffer,
 }
 
-/// What the device counts while photons walk.
+/// Counts of the photons of a batch, kept by the device while they walk.
 #[derive(Clone, Copy, Default)]
 struct Counters {
     asked: u32,

@@ -1,4 +1,4 @@
-//! What the twin, and so every device that keeps its bits, must hold.
+//! Laws of the twin, which hold for every device that has its bits.
 
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;

@@ -17,7 +17,7 @@ use super::white_table::WhiteTable;
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
     /// Set to true, from any thread, it ends the run once the photons under way have ended, within some hundredths of a
-    /// second, or on a device near an albedo of 1 within a minute; the table then holds the photons that were done.
+    /// second, on a device longer near an albedo of 1; the table then holds the photons that were done.
     pub stop: &'a AtomicBool,
     /// Called with the number of photons done since the run started, from any of its threads, some times a second.
     pub progress: &'a (dyn Fn(u64) + Sync),

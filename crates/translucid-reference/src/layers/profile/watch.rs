@@ -13,7 +13,7 @@ pub(super) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Of so many parts.
+    /// Watches the solution of a number of parts.
     pub(super) fn new(control: &'a Control<'a>, parts: u64) -> Self {
         Self { control, parts, counts: [const { AtomicU64::new(0) }; 3] }
     }

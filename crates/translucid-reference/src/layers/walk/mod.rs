@@ -101,8 +101,8 @@ impl Layers {
     /// in each layer. Estimates are unbiased with the errors of each set, which are those of `walk` or less, but errors of
     /// different sets go together. Sets without any absorption take as long as it takes light to find its way out.
     ///
-    /// What is absorbed by depth, and by ring and depth, is not a number but in the only cell of a grid. Light that comes
-    /// back through a clear first layer is reflected, not specular, whatever a set has there.
+    /// Light absorbed by depth, and by ring and depth, is known only where the grid has a single cell for it, and NaN
+    /// elsewhere. Light that comes back through a clear first layer is reflected, not specular, whatever a set has there.
     ///
     /// ```
     /// use translucid_reference::Incidence;
