@@ -70,8 +70,8 @@ fn description(adapter: &wgpu::Adapter) -> DeviceDescription {
 #[derive(Debug)]
 pub struct Gpu {
     name: String,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
     /// The first error that the device reported.
     fault: Arc<Mutex<Option<String>>>,
     slots: u32,
@@ -150,13 +150,13 @@ impl Gpu {
     }
 
     /// Returns the first error that the device reported, if any.
-    fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
         fault.as_ref().map_or(Ok(()), |fault| Err(format!("the device {} failed: {fault}", self.name)))
     }
 
     /// Waits for a buffer's words.
-    fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>, String> {
+    pub(crate) fn read(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>, String> {
         let failed = |reason: String| format!("the device {} failed: {reason}", self.name);
         let (send, receive) = mpsc::channel();
         // A receiver that is gone waits no more
@@ -174,7 +174,7 @@ impl Gpu {
         Ok(words)
     }
 
-    fn buffer(&self, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    pub(crate) fn buffer(&self, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let descriptor =
             wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false };
         self.device.create_buffer(&descriptor)

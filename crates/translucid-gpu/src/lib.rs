@@ -22,6 +22,8 @@ mod description;
 mod device;
 #[cfg(any(test, feature = "device"))]
 mod law;
+#[cfg(feature = "device")]
+mod picture;
 #[cfg(test)]
 mod twin;
 

@@ -1,0 +1,4 @@
+//! Pictures on graphics processors: the path tracer of `translucid-render` in WGSL.
+
+#[cfg(test)]
+mod evaluate;
