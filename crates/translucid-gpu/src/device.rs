@@ -32,7 +32,7 @@ const SLOTS: (u32, u32) = (1 << 18, 1 << 10);
 /// Steps of a dispatch, at the start and at most. (Mesa's llvmpipe ends loops after 65,535 iterations.)
 const STEPS: (u32, u32) = (64, 4096);
 /// Time that a dispatch is to take: systems kill those that take seconds.
-const DISPATCH_TIME: Duration = Duration::from_millis(40);
+pub(crate) const DISPATCH_TIME: Duration = Duration::from_millis(40);
 
 /// The devices of this machine: none where there is no driver.
 pub(crate) fn devices() -> Vec<DeviceDescription> {
@@ -77,6 +77,7 @@ pub struct Gpu {
     slots: u32,
     group: u32,
     most_steps: u32,
+    is_graphics_processor: bool,
 }
 
 impl Gpu {
@@ -126,13 +127,25 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |reason: wgpu::Error| error(reason.to_string())));
         device.set_device_lost_callback(move |_, reason| lost(format!("it was lost: {reason}")));
         let info = adapter.get_info();
-        let slots = if info.device_type == wgpu::DeviceType::Cpu { SLOTS.1 } else { SLOTS.0 };
-        Ok(Self { name: info.name, device, queue, fault, slots, group: GROUP, most_steps: STEPS.1 })
+        let is_graphics_processor = info.device_type != wgpu::DeviceType::Cpu;
+        let slots = if is_graphics_processor { SLOTS.0 } else { SLOTS.1 };
+        let (group, most_steps) = (GROUP, STEPS.1);
+        Ok(Self { name: info.name, device, queue, fault, slots, group, most_steps, is_graphics_processor })
     }
 
     /// Name, as its driver gives it.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Invocations of a workgroup.
+    pub(crate) fn group(&self) -> u32 {
+        self.group
+    }
+
+    /// Returns `false` for a driver that calculates on the central processor.
+    pub(crate) fn is_graphics_processor(&self) -> bool {
+        self.is_graphics_processor
     }
 
     /// Shares the work out otherwise, which has no part in the result: photons under way at a time, invocations of a

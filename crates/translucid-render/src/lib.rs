@@ -66,6 +66,8 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+#[doc(hidden)]
+pub mod device;
 mod light;
 #[doc(hidden)]
 pub mod measure;
@@ -81,7 +83,7 @@ mod world;
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
     Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, MOST_MATTE_SAMPLES,
-    Outcome, Picked, Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader, ShardMerge,
+    Outcome, PathTracing, Picked, Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader, ShardMerge,
     ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, View, content_hash, is_shard, matte_hash,
     matte_id, save_shard,
 };

@@ -1,4 +1,255 @@
 //! Pictures on graphics processors: the path tracer of `translucid-render` in WGSL.
+//!
+//! A path is a slot of a buffer. In a round each kernel works off the slots that wait for it: rays, surfaces, flights of walks,
+//! light samples ([`shaders/kernels.wgsl`](https://github.com/translucid/translucid)); nothing is followed to its end in one
+//! call. What a sample is depends on its seed, pixel and number alone.
 
+mod camera;
 #[cfg(test)]
 mod evaluate;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use glam::Vec3;
+use translucid_render::device::{DeviceLimits, DeviceScene, TracingDevice};
+use translucid_render::{PathTracing, PixelSample, View};
+
+use crate::device::{DISPATCH_TIME, Gpu};
+
+/// The shaders, in the order in which they read best.
+const SHADERS: &[&str] = &[
+    include_str!("shaders/kernels.wgsl"),
+    include_str!("shaders/camera.wgsl"),
+    include_str!("shaders/surface_step.wgsl"),
+    include_str!("shaders/walk_step.wgsl"),
+    include_str!("shaders/shadow.wgsl"),
+    include_str!("shaders/state.wgsl"),
+    include_str!("shaders/scene.wgsl"),
+    include_str!("shaders/material.wgsl"),
+    include_str!("shaders/point.wgsl"),
+    include_str!("shaders/ray.wgsl"),
+    include_str!("shaders/sampler.wgsl"),
+    include_str!("shaders/surface.wgsl"),
+    include_str!("shaders/interface.wgsl"),
+    include_str!("shaders/facets.wgsl"),
+];
+/// The kernels of a round, and how many slots one invocation each they need.
+const KERNELS: [(&str, u32); 5] =
+    [("begin_samples", 1), ("trace", 2), ("pass_on", 1), ("at_surfaces", 1), ("in_walks", 1)];
+/// Bytes of a slot.
+const SLOT_BYTES: u64 = 496;
+/// Counters before the lists of slots, those of the lists, and the lists.
+const COUNTERS: u64 = 8;
+const LIST_COUNTERS: Range<u64> = 2..7;
+/// Words of a sample.
+const SAMPLE_WORDS: usize = 20;
+/// Paths under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
+const SLOTS: (u32, u32) = (1 << 18, 1 << 12);
+/// Rounds between two looks at the counters, at most.
+const MOST_ROUNDS: u32 = 256;
+
+impl TracingDevice for Gpu {
+    fn name(&self) -> &str {
+        Self::name(self)
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        DeviceLimits { array_bytes: self.device.limits().max_storage_buffer_binding_size }
+    }
+
+    fn open(self: Arc<Self>, scene: &DeviceScene) -> Result<Box<dyn PathTracing>, String> {
+        Ok(Box::new(Tracing::new(self, scene)?))
+    }
+}
+
+/// A scene on a device.
+struct Tracing {
+    gpu: Arc<Gpu>,
+    slots: u32,
+    kernels: Vec<(wgpu::ComputePipeline, u32)>,
+    layout: wgpu::BindGroupLayout,
+    settings: wgpu::Buffer,
+    scene: [wgpu::Buffer; 5],
+    states: wgpu::Buffer,
+    queues: wgpu::Buffer,
+    counters_read: wgpu::Buffer,
+    rounds: u32,
+}
+
+impl Tracing {
+    fn new(gpu: Arc<Gpu>, scene: &DeviceScene) -> Result<Self, String> {
+        use wgpu::BufferUsages as Usage;
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("picture"),
+            source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
+        });
+        let layout = bindings(device);
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let constants = [("group_size", f64::from(gpu.group()))];
+        let kernels = KERNELS.map(|(name, share)| {
+            let kernel = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                cache: None,
+            });
+            (kernel, share)
+        });
+        gpu.check()?;
+        let slots = if gpu.is_graphics_processor() { SLOTS.0 } else { SLOTS.1 };
+        let filled = |words: &[u32]| {
+            let buffer = gpu.buffer(4 * words.len().max(8) as u64, Usage::STORAGE | Usage::COPY_DST);
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        };
+        let scene = [
+            if scene.nodes.is_empty() { filled(&EMPTY_NODE) } else { filled(&scene.nodes) },
+            filled(&scene.triangles),
+            filled(bytemuck::cast_slice(&scene.attributes)),
+            filled(bytemuck::cast_slice(&scene.tables)),
+            filled(&scene.images),
+        ];
+        let lists = LIST_COUNTERS.end - LIST_COUNTERS.start;
+        let settings = gpu.buffer(4 * camera::SETTINGS as u64, Usage::UNIFORM | Usage::COPY_DST);
+        let states = gpu.buffer(SLOT_BYTES * u64::from(slots), Usage::STORAGE | Usage::COPY_DST);
+        let queues = gpu.buffer(
+            4 * (COUNTERS + lists * u64::from(slots)),
+            Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC,
+        );
+        let counters_read = gpu.buffer(4 * COUNTERS, Usage::MAP_READ | Usage::COPY_DST);
+        gpu.check()?;
+        let kernels = kernels.into();
+        Ok(Self { gpu, slots, kernels, layout, settings, scene, states, queues, counters_read, rounds: 1 })
+    }
+
+    fn group(&self, samples: &wgpu::Buffer) -> wgpu::BindGroup {
+        let buffers = std::iter::once(&self.settings)
+            .chain(&self.scene)
+            .chain([&self.states, &self.queues, samples]);
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+
+    /// Rounds, and how many samples are done after them.
+    fn advance(&mut self, group: &wgpu::BindGroup) -> Result<u32, String> {
+        let start = Instant::now();
+        let gpu = &self.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for _ in 0..self.rounds {
+            let Range { start, end } = LIST_COUNTERS;
+            encoder.clear_buffer(&self.queues, 4 * start, Some(4 * (end - start)));
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_bind_group(0, group, &[]);
+            for (kernel, share) in &self.kernels {
+                pass.set_pipeline(kernel);
+                pass.dispatch_workgroups((share * self.slots).div_ceil(gpu.group()), 1, 1);
+            }
+        }
+        encoder.copy_buffer_to_buffer(&self.queues, 0, &self.counters_read, 0, 4 * COUNTERS);
+        gpu.queue.submit([encoder.finish()]);
+        let counters = gpu.read(&self.counters_read)?;
+        let pace = DISPATCH_TIME.as_secs_f64() / start.elapsed().as_secs_f64();
+        self.rounds = ((f64::from(self.rounds) * pace.clamp(0.25, 2.0)) as u32).clamp(1, MOST_ROUNDS);
+        counters.get(1).copied().ok_or_else(|| "the device sent too few counters".to_owned())
+    }
+}
+
+impl PathTracing for Tracing {
+    fn trace(
+        &mut self,
+        view: &View,
+        numbers: Range<u32>,
+        progress: &dyn Fn(u64),
+        stop: &AtomicBool,
+    ) -> Result<Option<Vec<PixelSample>>, String> {
+        use wgpu::BufferUsages as Usage;
+        let items = (view.region().area() * numbers.len() as u64) as u32;
+        let words = camera::settings(view, numbers.start, items, self.slots);
+        let bytes = 4 * (items as usize * SAMPLE_WORDS) as u64;
+        let samples = self.gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
+        let read = self.gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
+        self.gpu.check()?;
+        let group = self.group(&samples);
+        self.gpu.queue.write_buffer(&self.settings, 0, bytemuck::cast_slice(&words));
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.clear_buffer(&self.states, 0, None);
+        encoder.clear_buffer(&self.queues, 0, None);
+        self.gpu.queue.submit([encoder.finish()]);
+        loop {
+            let done = self.advance(&group)?;
+            progress(done.into());
+            if done == items {
+                break;
+            }
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+        }
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&samples, 0, &read, 0, bytes);
+        self.gpu.queue.submit([encoder.finish()]);
+        let words = self.gpu.read(&read)?;
+        Ok(Some(words.as_chunks().0.iter().map(sample).collect()))
+    }
+}
+
+/// A node that no ray meets.
+const EMPTY_NODE: [u32; 8] = {
+    let [high, low] = [f32::INFINITY.to_bits(), f32::NEG_INFINITY.to_bits()];
+    [high, high, high, 0, low, low, low, 0]
+};
+
+fn bindings(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match binding {
+                0 => wgpu::BufferBindingType::Uniform,
+                _ => wgpu::BufferBindingType::Storage { read_only: binding < 6 },
+            },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = (0..9).map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+}
+
+fn sample(words: &[u32; SAMPLE_WORDS]) -> PixelSample {
+    let value = |at: usize| f32::from_bits(words[at]);
+    let color = |at: usize| Vec3::new(value(at), value(at + 1), value(at + 2));
+    PixelSample {
+        diffuse: color(0),
+        specular: color(3),
+        subsurface: color(6),
+        emission: color(9),
+        alpha: value(12),
+        albedo: color(13),
+        normal: color(16),
+        depth: value(19),
+    }
+}

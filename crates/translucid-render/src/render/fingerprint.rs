@@ -36,6 +36,13 @@ impl Fingerprint {
         })
     }
 
+    /// That of samples that a device has traced.
+    #[must_use]
+    pub(crate) fn traced_by(mut self, device: &str) -> Self {
+        self.add("device", device.to_owned());
+        self
+    }
+
     fn add(&mut self, key: impl Into<String>, text: String) {
         let value = if text.len() > LONGEST_TEXT {
             let mut hash = Fnv::new();

@@ -1,6 +1,7 @@
 //! Scenes made ready, views of them, and the loop that renders them into films.
 
 mod cryptomatte;
+mod device_passes;
 mod enclosed;
 mod exact_sums;
 mod film;
@@ -19,6 +20,8 @@ mod tile_grid;
 mod view;
 
 pub use cryptomatte::{MOST_MATTE_SAMPLES, matte_hash, matte_id};
+pub use device_passes::PathTracing;
+pub(crate) use device_passes::render_on;
 pub use film::{FilmSums, TileSums};
 pub use fingerprint::{Fingerprint, content_hash};
 pub use live_film::{FilmLayer, LiveFilm};
@@ -30,4 +33,5 @@ pub use sample_ranges::SampleRanges;
 pub use shard::{ShardHeader, ShardNotes, ShardReader, ShardRun, is_shard, save_shard};
 pub use shard_merge::{Gap, ShardMerge};
 pub use tile_grid::TILE_SIZE;
+pub(crate) use view::FILTER_TABLE;
 pub use view::{Fraction, View};

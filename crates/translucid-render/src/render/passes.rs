@@ -303,7 +303,7 @@ fn add_samples(
 
 /// Adds a sample to a pixel's sums. A sample that is not finite would spoil the pixel for good; it counts
 /// as black (and is a defect: debug builds stop).
-fn add(sums: &mut ExactSums, pixel: usize, sample: &PixelSample) {
+pub(super) fn add(sums: &mut ExactSums, pixel: usize, sample: &PixelSample) {
     debug_assert!(sample.radiance().is_finite(), "a sample is not finite: {sample:?}");
     if sample.radiance().is_finite() {
         let mut values = sample.layers().map(f64::from);

@@ -379,7 +379,11 @@ impl PreparedScene {
         &mut self.world
     }
 
-    #[cfg(test)]
+    /// Returns `true` if light may pass any of the surfaces that shadow rays meet.
+    pub(crate) fn shadows_look(&self) -> bool {
+        self.world.surfaces.any_lets_light_through() || self.world.media.any()
+    }
+
     pub(crate) fn parts(&self) -> (&World, &Transports) {
         (&self.world, &self.transports)
     }

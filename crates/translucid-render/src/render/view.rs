@@ -11,7 +11,7 @@ use crate::sampling::{Frame, concentric_disk};
 use crate::world::PixelWidth;
 
 /// Entries of the inverse filter table.
-const FILTER_TABLE: usize = 2048;
+pub(crate) const FILTER_TABLE: usize = 2048;
 
 /// Offsets in pixels at which a filter's cdf is 0, 1/n, … 1.
 type InverseFilter = [f32; FILTER_TABLE + 1];
@@ -189,6 +189,16 @@ impl View {
     /// Resolution of the picture.
     pub fn fraction(&self) -> Fraction {
         self.fraction
+    }
+
+    /// Frame of the camera, half the size of the picture and its middle at depth 1, size of the film, and edge of a pixel.
+    pub(crate) fn projection(&self) -> (Frame, [f32; 2], [f32; 2], [f32; 2], f32) {
+        (self.frame, [self.half_width, self.half_height], self.middle, self.size, self.step)
+    }
+
+    /// Offsets in pixels at which the filter's cdf is 0, 1/n, … 1.
+    pub(crate) fn filter(&self) -> &[f32] {
+        &*self.filter
     }
 
     /// Width of a pixel on the surface that it shows.

@@ -21,8 +21,9 @@ use std::time::{Duration, Instant};
 use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
+use crate::device::{DeviceScene, TracingDevice};
 use crate::render::{
-    Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Renewed, SampleProgress, ShardNotes,
+    Edit, FilmSums, Fingerprint, Fraction, Goal, LiveFilm, Outcome, PathTracing, PreparedScene, Renewed, render_on, SampleProgress, ShardNotes,
     ShardReader, ShardRun, View, save_shard,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
@@ -100,6 +101,9 @@ pub struct Session {
     /// Notes for the film's file; the last of its runs is this one, which has no time yet.
     notes: ShardNotes,
     denoised: Option<Result<Denoised, OutputError>>,
+    device: Option<Arc<dyn TracingDevice>>,
+    /// The scene on the device, once it is there.
+    on_device: Option<Box<dyn PathTracing>>,
 }
 
 impl Session {
@@ -107,7 +111,7 @@ impl Session {
     pub fn new(prepared: PreparedScene, view: View) -> Self {
         let film = Arc::new(empty_film(&view));
         let notes = ShardNotes { runs: vec![ShardRun::default()], ..ShardNotes::default() };
-        Self { film, prepared, view, seconds: 0.0, notes, denoised: None }
+        Self { film, prepared, view, seconds: 0.0, notes, denoised: None, device: None, on_device: None }
     }
 
     /// The scene.
@@ -136,13 +140,36 @@ impl Session {
     /// As [`PreparedScene::edit`]; scene and film then stay as they were.
     pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
         let renewed = self.prepared.edit(edit)?;
+        self.on_device = None;
         self.restart();
         Ok(renewed)
+    }
+
+    /// Sets the device that traces paths, or none for the processor; the film begins anew.
+    ///
+    /// Both find the same light by other paths: means are equal, samples are not.
+    ///
+    /// # Errors
+    /// The scene needs something that devices lack, or is too large; the session then stays as it was.
+    pub fn set_device(&mut self, device: Option<Arc<dyn TracingDevice>>) -> Result<(), SceneError> {
+        let on_device = device.as_ref().map(|device| self.open_on(device)).transpose()?;
+        (self.device, self.on_device) = (device, on_device);
+        self.restart();
+        Ok(())
+    }
+
+    fn open_on(&self, device: &Arc<dyn TracingDevice>) -> Result<Box<dyn PathTracing>, SceneError> {
+        let scene = DeviceScene::new(&self.prepared, &self.view, &device.limits())?;
+        Arc::clone(device).open(&scene).map_err(SceneError::new)
     }
 
     /// Sets another view; the film begins anew.
     pub fn set_view(&mut self, view: View) {
         self.prepared.keep_points_for(&view);
+        let filter = |view: &View| (view.film().filter, view.film().filter_radius);
+        if filter(&view) != filter(&self.view) {
+            self.on_device = None;
+        }
         self.view = view;
         self.restart();
     }
@@ -186,7 +213,7 @@ impl Session {
             OutputError::new(path, format!("is of another scene or other settings: {difference}"))
                 .with_help("use the settings that it was made with, or delete it to render from the start")
         };
-        let fingerprint = self.prepared.fingerprint(&self.view);
+        let fingerprint = self.fingerprint();
         if let Some(difference) = shard.header().fingerprint.difference(&fingerprint) {
             return Err(refusal(&difference));
         }
@@ -194,6 +221,15 @@ impl Session {
             return Err(refusal("the region differs"));
         }
         shard.film().map(|(film, header)| (film, header.notes))
+    }
+
+    /// Fingerprint of everything that the samples depend on: see [`PreparedScene::fingerprint`].
+    fn fingerprint(&self) -> Fingerprint {
+        let fingerprint = self.prepared.fingerprint(&self.view);
+        match &self.device {
+            Some(device) => fingerprint.traced_by(device.name()),
+            None => fingerprint,
+        }
     }
 
     /// Saves the film so that a later run can continue it, and others can be joined with it.
@@ -209,7 +245,7 @@ impl Session {
         let now = self.seconds + seconds - notes.seconds();
         notes.runs.last_mut().into_iter().for_each(|run| run.seconds = now);
         let place = (self.view.region(), self.view.whole_size());
-        save_shard(path, &self.film.sums(), self.prepared.fingerprint(&self.view), place, notes)
+        save_shard(path, &self.film.sums(), self.fingerprint(), place, notes)
     }
 
     /// Renders on the current rayon pool until the plan is fulfilled, its deadline has come, or `stop` is true.
@@ -228,9 +264,14 @@ impl Session {
             return Ok(Outcome::Interrupted);
         }
         let start = Instant::now();
-        self.preview(plan, observer, stop);
-        let outcome = self.render_in_slices(plan, observer, stop, start);
+        if let Some(device) = &self.device
+            && self.on_device.is_none()
+        {
+            self.on_device = Some(self.open_on(device)?);
+        }
+        let outcome = self.preview(plan, observer, stop).and_then(|()| self.render_in_slices(plan, observer, stop, start));
         self.seconds += start.elapsed().as_secs_f64();
+        let outcome = outcome?;
         self.denoise(plan, observer);
         Ok(outcome)
     }
@@ -283,29 +324,46 @@ impl Session {
     }
 
     /// Renders the previews of an empty film.
-    fn preview(&self, plan: &Plan, observer: &Observer<'_>, stop: &AtomicBool) {
+    fn preview(&mut self, plan: &Plan, observer: &Observer<'_>, stop: &AtomicBool) -> Result<(), SceneError> {
         if self.film.sums().paths() > 0 {
-            return;
+            return Ok(());
         }
         for &fraction in &plan.previews {
             let view = self.view.at(fraction);
             let film = empty_film(&view);
             let goal = Goal { samples: 0..1, deadline: plan.deadline };
-            if self.prepared.render(&view, &film, &goal, &|_| {}, stop) != Outcome::Finished {
-                return;
+            if self.render(&view, &film, &goal, &|_| {}, stop)? != Outcome::Finished {
+                break;
             }
             observer(&Event::Preview(fraction, &film.sums()));
+        }
+        Ok(())
+    }
+
+    /// Adds samples to a film, on the device if there is one.
+    fn render(
+        &mut self,
+        view: &View,
+        film: &LiveFilm,
+        goal: &Goal,
+        progress: &(dyn Fn(SampleProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> Result<Outcome, SceneError> {
+        match self.on_device.as_deref_mut() {
+            Some(device) => render_on(device, view, film, goal, progress, stop).map_err(SceneError::new),
+            None => Ok(self.prepared.render(view, film, goal, progress, stop)),
         }
     }
 
     /// Renders with a checkpoint now and then.
     fn render_in_slices(
-        &self,
+        &mut self,
         plan: &Plan,
         observer: &Observer<'_>,
         stop: &AtomicBool,
         start: Instant,
-    ) -> Outcome {
+    ) -> Result<Outcome, SceneError> {
+        let (view, film) = (self.view.clone(), self.film());
         let mut interval = plan.checkpoint.as_ref().map(|checkpoint| checkpoint.interval);
         loop {
             let paths = self.film.sums().paths();
@@ -315,11 +373,11 @@ impl Session {
                 deadline: plan.deadline.into_iter().chain(slice).min(),
             };
             let report = |progress| observer(&Event::Samples(progress));
-            let outcome = self.prepared.render(&self.view, &self.film, &goal, &report, stop);
+            let outcome = self.render(&view, &film, &goal, &report, stop)?;
             let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            let Some(checkpoint) = &plan.checkpoint else { return outcome };
+            let Some(checkpoint) = &plan.checkpoint else { return Ok(outcome) };
             if outcome != Outcome::TimeUp || time_is_up || stop.load(Ordering::Relaxed) {
-                return outcome;
+                return Ok(outcome);
             }
             if self.film.sums().paths() == paths {
                 // Not even time for one tile: a longer slice will do.

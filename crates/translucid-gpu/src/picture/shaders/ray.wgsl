@@ -1,0 +1,149 @@
+// What a ray meets: a binary tree over triangles, and their watertight intersection
+// [S. Woop, C. Benthin, I. Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1)].
+
+struct Hit {
+    t: f32,
+    // Barycentric coordinates of corners 1 and 2.
+    b: vec2f,
+    triangle: u32,
+    is_hit: bool,
+}
+
+// A ray whose direction is turned into (0, 0, 1) by a permutation of axes and a shear.
+struct Sheared {
+    origin: vec3f,
+    axis: u32,
+    factors: vec3f,
+}
+
+const STACK = 64u;
+const EVERY_GROUP = 0u;
+const ONE_GROUP = 1u;
+
+fn permuted(v: vec3f, axis: u32) -> vec3f {
+    return select(select(v.xyz, v.zxy, axis == 1u), v.yzx, axis == 0u);
+}
+
+fn sheared(origin: vec3f, direction: vec3f) -> Sheared {
+    let size = abs(direction);
+    let is_x = size.x > size.y && size.x > size.z;
+    let axis = select(select(2u, 1u, size.y > size.z), 0u, is_x);
+    let turned = permuted(direction, axis);
+    let scale = 1.0 / turned.z;
+    return Sheared(permuted(origin, axis), axis, vec3f(turned.x * scale, turned.y * scale, scale));
+}
+
+// Distance to a triangle and its barycentric coordinates; the distance is NEVER where it is missed.
+fn intersected(triangle: u32, ray: Sheared, t_max: f32) -> vec3f {
+    let at = 3u * triangle;
+    let a = corner_of(ray, triangles[at].xyz);
+    let b = corner_of(ray, triangles[at + 1u].xyz);
+    let c = corner_of(ray, triangles[at + 2u].xyz);
+    let u = c.x * b.y - c.y * b.x;
+    let v = a.x * c.y - a.y * c.x;
+    let w = b.x * a.y - b.y * a.x;
+    let least = min(u, min(v, w));
+    let most = max(u, max(v, w));
+    if (least < 0.0 && most > 0.0) {
+        return vec3f(NEVER, 0.0, 0.0);
+    }
+    let determinant = u + v + w;
+    if (determinant == 0.0) {
+        return vec3f(NEVER, 0.0, 0.0);
+    }
+    let inverse = 1.0 / determinant;
+    let t = (u * a.z + v * b.z + w * c.z) * inverse;
+    if (!(t > 0.0 && t < t_max)) {
+        return vec3f(NEVER, 0.0, 0.0);
+    }
+    return vec3f(t, v * inverse, w * inverse);
+}
+
+fn corner_of(ray: Sheared, words: vec3u) -> vec3f {
+    let local = permuted(bitcast<vec3f>(words), ray.axis) - ray.origin;
+    return vec3f(local.xy - ray.factors.xy * local.z, ray.factors.z * local.z);
+}
+
+// Distance at which a ray enters a box, NEVER where it does not before `t_max`.
+fn entered(node: u32, origin: vec3f, inverse: vec3f, t_max: f32) -> f32 {
+    let low = (bitcast<vec3f>(nodes[2u * node].xyz) - origin) * inverse;
+    let high = (bitcast<vec3f>(nodes[2u * node + 1u].xyz) - origin) * inverse;
+    let near = min(low, high);
+    let far = max(low, high);
+    let begin = max(max(near.x, near.y), max(near.z, 0.0));
+    // Rounding must not lose a box: 3 errors of 2^-24 each way [T. Ize 2013, Robust BVH Ray Traversal, JCGT 2(2)]
+    let end = min(min(far.x, far.y), min(far.z, t_max)) * 1.0000008;
+    return select(NEVER, begin, begin <= end);
+}
+
+fn inverse_of(direction: vec3f) -> vec3f {
+    // Keeps 0 times infinity out of the test of boxes
+    let is_flat = abs(direction) < vec3f(1e-18);
+    let signs = select(vec3f(-1.0), vec3f(1.0), direction >= vec3f(0.0));
+    return select(1.0 / direction, signs * 1e18, is_flat);
+}
+
+// The nearest surface of all groups, or of one. With `any` the first that is found will do.
+fn closest(origin: vec3f, direction: vec3f, t_max: f32, groups: u32, group: u32, any: bool) -> Hit {
+    var best = Hit(t_max, vec2f(0.0), 0u, false);
+    if (arrayLength(&nodes) < 2u || settings.slots == 0u) {
+        return best;
+    }
+    let inverse = inverse_of(direction);
+    let ray = sheared(origin, direction);
+    var stack: array<u32, STACK>;
+    var distances: array<f32, STACK>;
+    var depth = 0u;
+    var node = 0u;
+    if (entered(0u, origin, inverse, best.t) >= NEVER) {
+        return best;
+    }
+    loop {
+        let count = nodes[2u * node].w;
+        let first = nodes[2u * node + 1u].w;
+        var is_done = count != 0u;
+        if (is_done) {
+            for (var k = 0u; k < count; k += 1u) {
+                let triangle = first + k;
+                if (groups == ONE_GROUP && triangles[3u * triangle + 2u].w != group) {
+                    continue;
+                }
+                let found = intersected(triangle, ray, best.t);
+                if (found.x < best.t) {
+                    best = Hit(found.x, found.yz, triangle, true);
+                    if (any) {
+                        return best;
+                    }
+                }
+            }
+        } else {
+            let left = entered(first, origin, inverse, best.t);
+            let right = entered(first + 1u, origin, inverse, best.t);
+            let near = min(left, right);
+            let far = max(left, right);
+            is_done = near >= NEVER;
+            if (!is_done) {
+                let is_left_near = left <= right;
+                node = select(first + 1u, first, is_left_near);
+                if (far < NEVER && depth < STACK) {
+                    stack[depth] = select(first, first + 1u, is_left_near);
+                    distances[depth] = far;
+                    depth += 1u;
+                }
+            }
+        }
+        if (is_done) {
+            // Boxes that begin behind what was found meanwhile are passed over
+            var is_open = false;
+            while (depth > 0u && !is_open) {
+                depth -= 1u;
+                node = stack[depth];
+                is_open = distances[depth] <= best.t;
+            }
+            if (!is_open) {
+                break;
+            }
+        }
+    }
+    return best;
+}

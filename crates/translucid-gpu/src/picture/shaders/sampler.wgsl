@@ -1,0 +1,92 @@
+// Random numbers of a path, a function of seed, pixel and sample: Sobol's sequence under scrambles of its own for every four
+// dimensions [B. Burley 2020, Practical Hash-based Owen Scrambling, JCGT 9(4)], as on the processor.
+
+struct Sampler {
+    seed: u32,
+    index: u32,
+}
+
+const SETS_PER_VERTEX = 8u;
+
+fn sampler_of(pixel: vec2u, sample: u32) -> Sampler {
+    var state = 0x9e3779b9u;
+    state = hash_combine(state, settings.seed.x);
+    state = hash_combine(state, settings.seed.y);
+    state = hash_combine(state, pixel.x);
+    state = hash_combine(state, pixel.y);
+    // The sequence ends after 2^16 points: it goes on with another scramble
+    state = hash_combine(state, sample >> 16u);
+    return Sampler(state, sample & 0xffffu);
+}
+
+// Four numbers in [0, 1): a set of those of a vertex of the path.
+fn stratified(sampler: Sampler, vertex: u32, set: u32) -> vec4f {
+    let seed = hash_combine(sampler.seed, vertex * SETS_PER_VERTEX + set);
+    let reversed = owen_scrambled(reverseBits(sampler.index), avalanche(seed ^ 0x79c68e4au));
+    var sobol = vec4u(0u);
+    let directions = head(SOBOL);
+    for (var bit = 0u; bit < 16u; bit += 1u) {
+        if ((reversed & (0x80000000u >> bit)) != 0u) {
+            let at = directions + 8u * bit;
+            sobol ^= vec4u(word_at(at), word_at(at + 2u), word_at(at + 4u), word_at(at + 6u));
+        }
+    }
+    let scramble = vec4u(0x912f69bau, 0x174f18abu, 0x691e72cau, 0xb40cc1b8u) ^ vec4u(seed * 0x9c8f2d3bu);
+    let scrambled = vec4u(
+        owen_scrambled(sobol.x, avalanche(scramble.x)),
+        owen_scrambled(sobol.y, avalanche(scramble.y)),
+        owen_scrambled(sobol.z, avalanche(scramble.z)),
+        owen_scrambled(sobol.w, avalanche(scramble.w)),
+    );
+    return in_unit(reverseBits(scrambled));
+}
+
+// Four independent numbers in [0, 1): pcg4d of M. Jarzynski and M. Olano 2020, Hash Functions for GPU Rendering, JCGT 9(3),
+// with a round more.
+fn independent(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
+    var v = vec4u(sampler.seed, sampler.index, vertex, number) * 1664525u + 1013904223u;
+    v = mixed(v);
+    v = mixed(v ^ (v >> vec4u(16u)));
+    return in_unit(mixed(v ^ (v >> vec4u(16u))));
+}
+
+fn mixed(words: vec4u) -> vec4u {
+    var v = words;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+fn word_at(place: u32) -> u32 {
+    return u32(tables[place]) | (u32(tables[place + 1u]) << 16u);
+}
+
+fn in_unit(bits: vec4u) -> vec4f {
+    // 24 bits are exact, and never 1
+    return vec4f(bits >> vec4u(8u)) * (1.0 / 16777216.0);
+}
+
+fn owen_scrambled(reversed: u32, seed: u32) -> u32 {
+    var x = reversed ^ (reversed * 0x3d20adeau);
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ (x * 0x53a22864u);
+}
+
+fn avalanche(word: u32) -> u32 {
+    var x = word ^ 0xe6fe3bebu;
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
+}
+
+fn hash_combine(state: u32, value: u32) -> u32 {
+    let product = value * 0x9e3779b9u;
+    var x = state ^ ((product << 15u) | (product >> 17u));
+    x = (x ^ (x >> 16u)) * 0x21f0aaadu;
+    x = (x ^ (x >> 15u)) * 0x735a2d97u;
+    return x ^ (x >> 15u);
+}

@@ -1,0 +1,103 @@
+// The scene's words, whose meaning is stated in `translucid-render`'s `device`, and the head of its tables.
+
+struct Settings {
+    // Position of the lens, and its radius.
+    position: vec3f,
+    lens_radius: f32,
+    // Axes to the right, down and forward.
+    right: vec3f,
+    focus_distance: f32,
+    down: vec3f,
+    // Edge of a pixel in pixels of the film.
+    step: f32,
+    forward: vec3f,
+    is_orthographic: u32,
+    half_size: vec2f,
+    middle: vec2f,
+    size: vec2f,
+    seed: vec2u,
+    // Left and upper edge, width and height of the region in pixels.
+    corner: vec2u,
+    region: vec2u,
+    // Number of the first sample of a pixel, samples of this call in all, and slots.
+    first_sample: u32,
+    items: u32,
+    slots: u32,
+    // Samples begin no more once a stop was asked for.
+    is_stopped: u32,
+}
+
+@group(0) @binding(0) var<uniform> settings: Settings;
+@group(0) @binding(1) var<storage, read> nodes: array<vec4u>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec4u>;
+@group(0) @binding(3) var<storage, read> attributes: array<f32>;
+@group(0) @binding(4) var<storage, read> tables: array<f32>;
+@group(0) @binding(5) var<storage, read> images: array<u32>;
+
+// Places in the head of the tables.
+const MATERIALS = 0u;
+const MATERIAL_WORDS = 1u;
+const TEXTURES = 2u;
+const TEXTURE_WORDS = 3u;
+const MEDIA = 4u;
+const LIGHTS = 5u;
+const LIGHT_TRIANGLES = 6u;
+const FILTER = 7u;
+const FILTER_INTERVALS = 8u;
+const SOBOL = 9u;
+const IMAGES = 10u;
+const MAX_DEPTH = 11u;
+const MAX_DIFFUSE_DEPTH = 12u;
+const CAUSTICS = 13u;
+const ATTRIBUTE_WORDS = 14u;
+const UV = 15u;
+const TANGENT = 16u;
+const COLOR = 17u;
+const MIDDLE = 18u;
+const FARTHEST = 21u;
+const SHADOWS_LOOK = 22u;
+
+fn head(place: u32) -> u32 {
+    return u32(tables[place]);
+}
+
+fn table_color(place: u32) -> vec3f {
+    return vec3f(tables[place], tables[place + 1u], tables[place + 2u]);
+}
+
+const NEVER = 1e30;
+
+fn power_heuristic(ours: f32, others: f32) -> f32 {
+    // Squares of densities may overflow
+    let ratio = others / max(ours, 1e-30);
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+fn greatest(color: vec3f) -> f32 {
+    return max(color.x, max(color.y, color.z));
+}
+
+fn sum(color: vec3f) -> f32 {
+    return color.x + color.y + color.z;
+}
+
+// Transmittance of a clear medium over a distance; an infinite one (in an open mesh) absorbs nothing.
+fn absorbed(absorption: vec3f, distance: f32) -> vec3f {
+    if (greatest(absorption) == 0.0 || distance >= NEVER) {
+        return vec3f(1.0);
+    }
+    return exp(-absorption * max(distance, 0.0));
+}
+
+// Axes whose third is a unit normal [Duff et al. 2017, Building an Orthonormal Basis, Revisited].
+fn frame_of(z: vec3f) -> mat3x3f {
+    let sign = select(-1.0, 1.0, z.z >= 0.0);
+    let a = -1.0 / (sign + z.z);
+    let b = z.x * z.y * a;
+    let x = vec3f(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x);
+    return mat3x3f(x, vec3f(b, sign + z.y * z.y * a, -z.y), z);
+}
+
+fn to_local(frame: mat3x3f, v: vec3f) -> vec3f {
+    return vec3f(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
+}

@@ -1,0 +1,209 @@
+// Paths under way, one for each slot, and the lists of slots by the work that they wait for.
+
+// What a slot waits for.
+const IDLE = 0u;       // a sample
+const FREE_RAY = 1u;   // its ray outside of bodies to be followed
+const FREE_HIT = 2u;   // the surface that the ray has met
+const WALK_RAY = 3u;   // a flight through a body to be followed
+const WALK_HIT = 4u;   // the end of the flight
+const ENDED = 5u;      // its light samples alone
+
+// Layer of the picture that a path brings light to.
+const OF_EMISSION = 0u;
+const OF_SURFACE = 1u;
+const OF_SUBSURFACE = 2u;
+
+// Flags of a path.
+const HAS_MET = 1u;    // a surface that the camera sees
+const SOFT = 2u;       // it has left a matte surface, and there are no caustics
+
+// Stages of a light sample.
+const NO_SHADOW = 0u;
+const FREE_SHADOW = 1u;
+const BODY_SHADOW = 2u;
+
+struct Path {
+    origin: vec3f,
+    work: u32,
+    direction: vec3f,
+    item: u32,
+    throughput: vec3f,
+    depth: u32,
+    // Absorption coefficient of the clear medium around the ray.
+    absorption: vec3f,
+    diffuse_depth: u32,
+    // The last point at which it was scattered, for MIS: the normal given to the selection of lights, and the density of
+    // the direction, NEVER or above where lights could not be sampled instead.
+    mis_point: vec3f,
+    mis_pdf: f32,
+    mis_normal: vec3f,
+    flags: u32,
+    // Part of the surface's light that is matte.
+    diffuse_share: vec3f,
+    layer: u32,
+    sampler: Sampler,
+    vertex: u32,
+    // Surfaces passed straight in a row.
+    passes: u32,
+    hit: vec2f,
+    hit_t: f32,
+    hit_triangle: u32,
+}
+
+// A walk: from flight to flight through the body below the surface that the path has met.
+struct Walk {
+    from: vec3f,
+    // Closed meshes of the group that it is in.
+    nesting: u32,
+    direction: vec3f,
+    // Length of the flight, and the part of it that was followed.
+    length: f32,
+    sigma_t: vec3f,
+    done: f32,
+    alpha: vec3f,
+    // Way from the surface to the point below it where the walk began.
+    skipped: f32,
+    // Sum of the throughput below which it may end at random.
+    entered: f32,
+    side: f32,
+    offset: f32,
+    // Density of its direction, NEVER where that was not drawn at a collision.
+    pdf: f32,
+    group: u32,
+    material: u32,
+    events: u32,
+    has_scattered: u32,
+}
+
+// A light sample on its way from a point to the light.
+struct Shadow {
+    origin: vec3f,
+    stage: u32,
+    direction: vec3f,
+    t_max: f32,
+    // Light for the layers of matte and specular reflection, or for that of subsurface scattering.
+    matte: vec3f,
+    is_subsurface: u32,
+    specular: vec3f,
+    passes: u32,
+    absorption: vec3f,
+    is_soft: u32,
+    // Through a body: extinction, distance to the light, and what was followed.
+    sigma_t: vec3f,
+    light_distance: f32,
+    // Share of each channel in flights by which the way out was drawn, 0 where it was not.
+    share: vec3f,
+    done: f32,
+    nesting: u32,
+    group: u32,
+    side: f32,
+    offset: f32,
+    length: f32,
+    hit_triangle: u32,
+    hit: vec2f,
+    hit_t: f32,
+}
+
+// Light and features of a sample.
+struct Found {
+    matte: vec3f,
+    alpha: f32,
+    specular: vec3f,
+    depth: f32,
+    subsurface: vec3f,
+    emission: vec3f,
+    albedo: vec3f,
+    normal: vec3f,
+}
+
+struct Slot {
+    path: Path,
+    walk: Walk,
+    shadow: Shadow,
+    found: Found,
+}
+
+@group(0) @binding(6) var<storage, read_write> slots: array<Slot>;
+// Counters, then lists of slots.
+@group(0) @binding(7) var<storage, read_write> queues: array<atomic<u32>>;
+// Samples that are done, by their number in this call.
+@group(0) @binding(8) var<storage, read_write> samples: array<f32>;
+
+// Counters.
+const NEXT_ITEM = 0u;
+const DONE_ITEMS = 1u;
+// Lists, which are empty at the start of a round.
+const RAYS = 2u;
+const SHADOWS = 3u;
+const SURFACES = 4u;
+const WALKS = 5u;
+const SHADOW_HITS = 6u;
+const COUNTERS = 8u;
+
+fn enqueue(list: u32, slot: u32) {
+    let place = atomicAdd(&queues[list], 1u);
+    atomicStore(&queues[COUNTERS + (list - RAYS) * settings.slots + place], slot);
+}
+
+// The slot at a place of a list, or `slots` behind its end.
+fn dequeue(list: u32, place: u32) -> u32 {
+    if (place >= atomicLoad(&queues[list])) {
+        return settings.slots;
+    }
+    return atomicLoad(&queues[COUNTERS + (list - RAYS) * settings.slots + place]);
+}
+
+const MOST_PASSES = 256u;
+// Light beyond this is cut off.
+const GREATEST_LIGHT = 1e26;
+
+fn is_zero(color: vec3f) -> bool {
+    return !(greatest(abs(color)) > 0.0);
+}
+
+// Adds light at a path's end to its layer.
+fn add_light(path: ptr<function, Path>, found: ptr<function, Found>, radiance: vec3f) {
+    let light = (*path).throughput * radiance;
+    if ((*path).layer == OF_EMISSION) {
+        (*found).emission += light;
+    } else if ((*path).layer == OF_SUBSURFACE) {
+        (*found).subsurface += light;
+    } else {
+        (*found).matte += light * (*path).diffuse_share;
+        (*found).specular += light * (1.0 - (*path).diffuse_share);
+    }
+}
+
+// Goes on in a new direction.
+fn scatter(path: ptr<function, Path>, layer: u32, share: vec3f, origin: vec3f, direction: vec3f, weight: vec3f) {
+    if ((*path).layer == OF_EMISSION) {
+        (*path).layer = layer;
+        (*path).diffuse_share = share;
+    }
+    (*path).throughput *= weight;
+    (*path).origin = origin;
+    (*path).direction = direction;
+    (*path).depth += 1u;
+    (*path).passes = 0u;
+    (*path).work = select(FREE_RAY, ENDED, is_zero((*path).throughput));
+}
+
+// Goes on behind a surface in the same direction.
+fn pass_surface(path: ptr<function, Path>, point: Point, transmittance: vec3f) {
+    (*path).throughput *= transmittance;
+    (*path).origin = ray_origin(point, (*path).direction);
+    (*path).passes += 1u;
+    (*path).work = select(FREE_RAY, ENDED, is_zero((*path).throughput) || (*path).passes >= MOST_PASSES);
+}
+
+fn is_of_camera(path: ptr<function, Path>) -> bool {
+    return (*path).depth == 0u && ((*path).flags & HAS_MET) == 0u;
+}
+
+// Weight of light that a path has met, given the density with which lights are sampled for it.
+fn weight_beside(path: ptr<function, Path>, light_pdf: f32) -> f32 {
+    if ((*path).mis_pdf >= NEVER) {
+        return 1.0;
+    }
+    return power_heuristic((*path).mis_pdf, light_pdf);
+}

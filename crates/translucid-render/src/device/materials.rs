@@ -1,0 +1,177 @@
+//! Materials and textures as numbers. Whole numbers are stated as floating-point ones, which hold them exactly.
+
+use glam::Vec3;
+use translucid_scene::{
+    CameraVisibility, ColorInput, Material, ScalarInput, Scene, SceneError, TextureRef, WalkSurface, Wrap,
+};
+
+use crate::render::PreparedScene;
+use crate::subsurface::transport::SubsurfaceTransport;
+use crate::surface::{self, WalkMedium};
+
+/// Words of a texture: image, width, height, wrap modes, mapping by columns.
+pub(super) const TEXTURE_WORDS: usize = 11;
+/// Number of a texture that is not there.
+const NO_TEXTURE: f32 = -1.0;
+/// Intervals of a table over the surface albedo.
+const ALBEDOS: usize = 1024;
+
+/// Numbers of materials, textures and media, which grow as materials are added.
+pub(super) struct Materials<'a> {
+    scene: &'a Scene,
+    pub(super) words: Vec<f32>,
+    pub(super) textures: Vec<f32>,
+    /// Media with their tables' place, and the tables: for each surface albedo √(1 − α), and the mean free path of a length 1.
+    media: Vec<(*const WalkMedium, usize)>,
+    pub(super) medium_tables: Vec<f32>,
+}
+
+impl<'a> Materials<'a> {
+    /// Number of words of a material.
+    pub(super) const WORDS: usize = 88;
+
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let (words, textures) = (Vec::new(), Vec::new());
+        Self { scene, words, textures, media: Vec::new(), medium_tables: Vec::new() }
+    }
+
+    /// Adds a material whose reflectance tables begin at a place.
+    ///
+    /// # Errors
+    /// It needs something that devices lack.
+    pub(super) fn push(
+        &mut self,
+        prepared: &PreparedScene,
+        index: usize,
+        reflectance_at: usize,
+    ) -> Result<(), SceneError> {
+        let material = &self.scene.materials[index];
+        let (world, transports) = prepared.parts();
+        let lacks = |what: &str| {
+            Err(SceneError::new(format!("material {} has {what}, which devices lack", material.name)))
+        };
+        if material.camera_visibility == CameraVisibility::Shadow {
+            return lacks("camera_visibility = \"shadow\"");
+        }
+        let medium = match transports.of(index) {
+            SubsurfaceTransport::Lambertian => None,
+            SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
+            SubsurfaceTransport::Walk(walks) => Some(&walks.medium),
+            SubsurfaceTransport::Probes(_) | SubsurfaceTransport::Shared(_) => {
+                return lacks("a subsurface_model with a profile (a random walk can be traced)");
+            }
+        };
+        let start = self.words.len();
+        self.color(&material.base_color);
+        self.words.push(material.base_weight);
+        self.scalar(&material.base_metalness);
+        self.scalar(&material.specular_weight);
+        self.color(&material.specular_color);
+        self.scalar(&material.specular_roughness);
+        self.words.push(material.specular_ior);
+        self.scalar(&material.transmission_weight);
+        self.color(&material.transmission_color);
+        self.words.push(material.transmission_depth);
+        self.scalar(&material.subsurface_weight);
+        self.color(&material.subsurface_color);
+        self.scalar(&material.subsurface_radius);
+        self.color(&material.subsurface_radius_scale);
+        self.words.push(material.subsurface_scatter_anisotropy);
+        self.scalar(&material.coat_weight);
+        self.color(&material.coat_color);
+        self.scalar(&material.coat_roughness);
+        self.words.push(material.coat_ior);
+        self.words.push(material.emission_luminance.max(0.0));
+        self.color(&material.emission_color);
+        self.scalar(&material.geometry_opacity);
+        self.words.push(number(material.geometry_thin_walled.into()));
+        let map = material.geometry_normal.as_ref();
+        let texture = map.map_or(NO_TEXTURE, |map| self.texture(&map.texture));
+        self.words.extend([texture, map.map_or(1.0, |map| map.scale)]);
+        self.words.push(number((material.camera_visibility == CameraVisibility::None).into()));
+        self.medium(medium.map(AsRef::as_ref));
+        self.words.push(number(reflectance_at));
+        self.words.push(number(world.surfaces.lets_light_through(index).into()));
+        self.words.push(number(world.media.of(index).is_some().into()));
+        self.words.extend(surface::absorption(material).to_array());
+        debug_assert!(self.words.len() - start <= Self::WORDS, "{}", self.words.len() - start);
+        self.words.resize(start + Self::WORDS, 0.0);
+        Ok(())
+    }
+
+    /// Five words: factor, texture, whether vertex colors count.
+    fn color(&mut self, input: &ColorInput) {
+        let texture = input.texture.as_ref().map_or(NO_TEXTURE, |texture| self.texture(texture));
+        self.words.extend(input.factor.to_array());
+        self.words.extend([texture, number(input.vertex_color.into())]);
+    }
+
+    /// Three words: factor, texture, channel.
+    fn scalar(&mut self, input: &ScalarInput) {
+        let (texture, channel) = match &input.texture {
+            Some((texture, channel)) => (self.texture(texture), number(*channel as usize)),
+            None => (NO_TEXTURE, 0.0),
+        };
+        self.words.extend([input.factor, texture, channel]);
+    }
+
+    /// The number of a texture.
+    fn texture(&mut self, texture: &TextureRef) -> f32 {
+        let image = &self.scene.images[texture.image];
+        let wrap = texture.wrap.map(|wrap| match wrap {
+            Wrap::Repeat => 0.0,
+            Wrap::Mirror => 1.0,
+            Wrap::Clamp => 2.0,
+        });
+        let size = [image.width, image.height].map(|edge| edge as f32);
+        let index = self.textures.len() / TEXTURE_WORDS;
+        self.textures.push(number(texture.image));
+        self.textures.extend(size.into_iter().chain(wrap));
+        self.textures.extend(texture.image_from_uv.to_cols_array());
+        number(index)
+    }
+
+    /// Six words: whether there is one, its surface, relative index, mean cosine, most flights, where its tables begin among
+    /// those of media.
+    fn medium(&mut self, medium: Option<&WalkMedium>) {
+        let Some(medium) = medium else {
+            self.words.extend([0.0; 6]);
+            return;
+        };
+        let known = self.media.iter().find(|(known, _)| std::ptr::eq(*known, medium));
+        let at = known.map_or_else(|| self.tables(medium), |&(_, at)| at);
+        let surface = match medium.surface {
+            WalkSurface::Clear => 0.0,
+            WalkSurface::Diffuse => 1.0,
+            WalkSurface::Rough => 2.0,
+            WalkSurface::Skin => 3.0,
+        };
+        let most = medium.most_flights as f32;
+        self.words.extend([1.0, surface, medium.eta, medium.g, most, number(at)]);
+    }
+
+    fn tables(&mut self, medium: &WalkMedium) -> usize {
+        let at = self.medium_tables.len();
+        self.media.push((medium, at));
+        let albedo = |i: usize| Vec3::splat(i as f32 / ALBEDOS as f32);
+        // Nearly linear in A, where α itself is not
+        let root = |i| (1.0 - medium.single_scattering_albedo(albedo(i)).x).max(0.0).sqrt();
+        self.medium_tables.extend((0..=ALBEDOS).map(root));
+        self.medium_tables
+            .extend((0..=ALBEDOS).map(|i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x));
+        at
+    }
+}
+
+/// The number as a floating-point one.
+fn number(of: usize) -> f32 {
+    of as f32
+}
+
+/// Returns `true` if a material emits light in other ways than a constant.
+pub(super) fn has_varied_emission(material: &Material) -> bool {
+    material.emission_color.texture.is_some()
+        || material.emission_color.vertex_color
+        || material.geometry_opacity.texture.is_some()
+        || material.geometry_opacity.factor < 1.0
+}

@@ -1,0 +1,39 @@
+//! A prepared scene as words for a device that traces paths by itself, and the passes that it makes.
+//!
+//! ```text
+//! prepared scene → DeviceScene (words) ─┐
+//! view → DeviceCamera ──────────────────┴→ TracingDevice::trace → samples of pixels → film
+//! ```
+//!
+//! The meaning of every word is stated once here, and its place has the same name in the shaders. Whatever a scene needs and
+//! devices lack is refused by name.
+
+mod camera;
+mod images;
+mod lights;
+mod materials;
+mod scene;
+mod tables;
+mod triangles;
+
+pub use camera::DeviceCamera;
+pub use scene::{DeviceLimits, DeviceScene, Header};
+
+use std::sync::Arc;
+
+use crate::render::PathTracing;
+
+/// A device that traces the paths of scenes.
+pub trait TracingDevice: Send + Sync {
+    /// Name, as its driver gives it.
+    fn name(&self) -> &str;
+
+    /// How much it holds.
+    fn limits(&self) -> DeviceLimits;
+
+    /// Takes a scene.
+    ///
+    /// # Errors
+    /// It cannot be used, or the scene is too large.
+    fn open(self: Arc<Self>, scene: &DeviceScene) -> Result<Box<dyn PathTracing>, String>;
+}

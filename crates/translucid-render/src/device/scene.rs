@@ -1,0 +1,191 @@
+//! A prepared scene as words.
+
+use glam::Vec3;
+use sobol_burley::parts::sobol_rev;
+use translucid_scene::{SceneError, SubsurfaceMethod};
+
+use super::images;
+use super::lights::lights;
+use super::materials::{Materials, TEXTURE_WORDS};
+use super::tables::material_tables;
+use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
+use crate::render::{FILTER_TABLE, PreparedScene, View};
+
+/// Bits of a sample's number that its numbers are stratified over.
+const SAMPLE_BITS: u32 = 16;
+/// Greatest whole number up to which floating-point numbers hold all of them.
+const MOST_NUMBERS: u64 = 1 << 24;
+
+/// The limits of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceLimits {
+    /// Most bytes of an array.
+    pub array_bytes: u64,
+}
+
+impl DeviceLimits {
+    /// Refuses more of something than an array holds.
+    pub(super) fn check(&self, what: &str, count: u64, bytes: u64) -> Result<(), SceneError> {
+        let most = self.array_bytes / bytes.max(1);
+        if count <= most {
+            return Ok(());
+        }
+        Err(SceneError::new(format!("the scene has {count} {what} but the device holds at most {most}")))
+    }
+}
+
+/// Places in [`DeviceScene::tables`], and numbers that all paths need: the first words of the tables, in this order.
+#[derive(Clone, Copy, Debug)]
+#[repr(usize)]
+pub enum Header {
+    /// Where materials begin, and the words of one.
+    Materials,
+    /// Words of a material.
+    MaterialWords,
+    /// Where textures begin.
+    Textures,
+    /// Words of a texture.
+    TextureWords,
+    /// Where tables of media begin.
+    Media,
+    /// Where lights begin.
+    Lights,
+    /// Where, for each triangle that is a light, its place among the triangles begins.
+    LightTriangles,
+    /// Where the inverse distribution of the pixel filter begins, and its number of intervals.
+    Filter,
+    /// Intervals of the filter.
+    FilterIntervals,
+    /// Where the directions of Sobol's sequence begin: bits of four dimensions in halves, the lower first.
+    Sobol,
+    /// Where the places of images begin among the images.
+    Images,
+    /// Largest number of scattering events, and of diffuse ones.
+    MaxDepth,
+    /// Largest number of diffuse events.
+    MaxDiffuseDepth,
+    /// Whether caustics are looked for.
+    Caustics,
+    /// Words of a triangle's attributes.
+    AttributeWords,
+    /// Where texture coordinates begin among them; 0 if there are none.
+    Uv,
+    /// Where the tangent begins; 0 if there is none.
+    Tangent,
+    /// Where colors begin; 0 if there are none.
+    Color,
+    /// Middle of the scene's bounds \[L\], three words.
+    Middle,
+    /// Square of the distance from there beyond which walks are lost \[L²\].
+    Farthest = Self::Middle as usize + 3,
+    /// Whether shadow rays have to look at what they meet.
+    ShadowsLook,
+    /// Number of words of the header.
+    Count,
+}
+
+/// Diagonals of the scene beyond which a walk has left an open mesh for good, as on the processor.
+const FARTHEST: f32 = 2.0;
+
+/// A prepared scene as arrays of words, each no larger than the device's limit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DeviceScene {
+    /// Nodes of a binary tree: lowest corner, number of triangles (0: an inner node), highest corner, first child or triangle.
+    pub nodes: Vec<u32>,
+    /// Corners, and behind them material, number as a light, subsurface group.
+    pub triangles: Vec<u32>,
+    /// Normals, then texture coordinates, tangent and colors where the scene needs them.
+    pub attributes: Vec<f32>,
+    /// The [`Header`], materials, media, lights, reflectances.
+    pub tables: Vec<f32>,
+    /// Texels, and the environment's.
+    pub images: Vec<u32>,
+}
+
+impl DeviceScene {
+    /// The words of a scene, with the filter of a view.
+    ///
+    /// # Errors
+    /// The scene needs something that devices lack, or is too large for this one; the message names it.
+    pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
+        let scene = prepared.scene();
+        let (world, transports) = prepared.parts();
+        if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
+            return Err(SceneError::new(
+                "integrator.subsurface_method is not \"ray-traced\", which devices lack",
+            ));
+        }
+        let lights = lights(prepared);
+        let light_of = |object, triangle| lights.triangle(world.geometry.primitive(object, triangle));
+        let triangles = Triangles::new(scene, limits, light_of)?;
+
+        let mut tables = vec![0.0; Header::Count as usize];
+        let mut reflectances: Vec<([f32; 2], usize)> = Vec::new();
+        let mut materials = Materials::new(scene);
+        for (index, material) in scene.materials.iter().enumerate() {
+            let iors = [material.specular_ior, material.coat_ior];
+            let known = reflectances.iter().find(|(known, _)| *known == iors);
+            let at = known.map_or(tables.len(), |&(_, at)| at);
+            if at == tables.len() {
+                reflectances.push((iors, at));
+                tables.extend(material_tables(world.surfaces.of(index)));
+            }
+            materials.push(prepared, index, at)?;
+        }
+        let mut append = |words: &[f32]| {
+            let at = tables.len();
+            tables.extend(words);
+            at as f32
+        };
+        let sobol = (0..SAMPLE_BITS).flat_map(|bit| {
+            (0..4).flat_map(move |dimension| {
+                let direction = sobol_rev(1 << (31 - bit), dimension);
+                [direction & 0xffff, direction >> 16].map(|half| half as f32)
+            })
+        });
+        let places: Vec<f32> = triangles.lights.iter().map(|&place| place as f32).collect();
+        let integrator = &scene.integrator;
+        let (low, high) = world.geometry.bounds();
+        let (middle, diagonal) = (0.5 * (low + high), high - low);
+        let mut images = lights.images;
+        let layout = triangles.layout;
+        let header = [
+            (Header::Materials, append(&materials.words)),
+            (Header::MaterialWords, Materials::WORDS as f32),
+            (Header::Textures, append(&materials.textures)),
+            (Header::TextureWords, TEXTURE_WORDS as f32),
+            (Header::Media, append(&materials.medium_tables)),
+            (Header::Lights, append(&lights.tables)),
+            (Header::LightTriangles, append(&places)),
+            (Header::Filter, append(view.filter())),
+            (Header::FilterIntervals, FILTER_TABLE as f32),
+            (Header::Sobol, append(&sobol.collect::<Vec<f32>>())),
+            (Header::Images, images::append(scene.images.iter().map(AsRef::as_ref), &mut images)? as f32),
+            (Header::MaxDepth, integrator.max_depth as f32),
+            (Header::MaxDiffuseDepth, integrator.max_diffuse_depth as f32),
+            (Header::Caustics, if integrator.caustics { 1.0 } else { 0.0 }),
+            (Header::AttributeWords, layout.stride as f32),
+            (Header::Uv, layout.uv as f32),
+            (Header::Tangent, layout.tangent as f32),
+            (Header::Color, layout.color as f32),
+            (Header::Farthest, (diagonal * FARTHEST).length_squared()),
+            (Header::ShadowsLook, if prepared.shadows_look() { 1.0 } else { 0.0 }),
+        ];
+        for (place, value) in header {
+            tables[place as usize] = value;
+        }
+        tables[Header::Middle as usize..][..3].copy_from_slice(&Vec3::to_array(&middle));
+        limits.check("bytes of textures and environment", 4 * images.len() as u64, 1)?;
+        limits.check("bytes of tables", 4 * tables.len() as u64, 1)?;
+        let numbers = tables.len().max(triangles.triangles.len() / TRIANGLE_WORDS as usize) as u64;
+        DeviceLimits { array_bytes: MOST_NUMBERS }.check("places", numbers, 1)?;
+        debug_assert_eq!(triangles.nodes.len() as u64 % NODE_WORDS, 0);
+        Ok(Self {
+            nodes: triangles.nodes,
+            triangles: triangles.triangles,
+            attributes: triangles.attributes,
+            tables,
+            images,
+        })
+    }
+}
