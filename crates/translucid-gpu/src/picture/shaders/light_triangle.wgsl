@@ -12,7 +12,7 @@ fn triangle_light_importance(triangle: u32, point: vec3f, normal: vec3f) -> f32 
     let b = light_vector(at + 3u) - point;
     let c = light_vector(at + 6u) - point;
     // Twice the area times the height above the triangle
-    let elevation = -dot(a, cross(b - a, c - a));
+    let elevation = triangle_light_elevation(at, point);
     let middle = (a + b + c) / 3.0;
     let radius = max(max(distance(a, middle), distance(b, middle)), distance(c, middle));
     let distance = max(length(middle), radius);
@@ -28,6 +28,11 @@ fn triangle_light_importance(triangle: u32, point: vec3f, normal: vec3f) -> f32 
     }
     let intensity = 0.5 * light_luminance(light_vector(at + 9u)) * (elevation / distance);
     return max(intensity / distance / distance * cosine, LEAST_IMPORTANCE);
+}
+
+fn triangle_light_elevation(at: u32, point: vec3f) -> f32 {
+    let a = light_vector(at);
+    return dot(point - a, cross(light_vector(at + 3u) - a, light_vector(at + 6u) - a));
 }
 
 // By barycentric coordinates uniform in area [Heitz 2019, "A Low-Distortion Map Between Triangle and Square"].
@@ -54,9 +59,7 @@ fn triangle_light_sample(triangle: u32, point: vec3f, u: vec2f) -> LightSample {
 // slant.
 fn triangle_light_pdf(triangle: u32, point: vec3f, offset: vec3f) -> f32 {
     let at = triangle_light_at(triangle);
-    let a = light_vector(at);
-    let normal = cross(light_vector(at + 3u) - a, light_vector(at + 6u) - a);
-    let elevation = dot(point - a, normal);
+    let elevation = triangle_light_elevation(at, point);
     if (elevation <= 0.0) {
         return 0.0;
     }

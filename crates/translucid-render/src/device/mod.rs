@@ -1,0 +1,5 @@
+//! A prepared scene as words for a device that traces paths by itself.
+
+mod lights;
+
+pub use lights::{LightWords, light_set, lights};
