@@ -37,6 +37,19 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/surface.wgsl"),
     include_str!("shaders/interface.wgsl"),
     include_str!("shaders/facets.wgsl"),
+    include_str!("shaders/light.wgsl"),
+    include_str!("shaders/light_selection.wgsl"),
+    include_str!("shaders/light_rectangle.wgsl"),
+    include_str!("shaders/light_ellipse.wgsl"),
+    include_str!("shaders/light_sphere.wgsl"),
+    include_str!("shaders/light_spot.wgsl"),
+    include_str!("shaders/light_cone.wgsl"),
+    include_str!("shaders/light_beam.wgsl"),
+    include_str!("shaders/light_distant.wgsl"),
+    include_str!("shaders/light_sky.wgsl"),
+    include_str!("shaders/light_triangle.wgsl"),
+    include_str!("shaders/light_directions.wgsl"),
+    include_str!("shaders/light_tables.wgsl"),
 ];
 /// The kernels of a round, and how many slots one invocation each they need.
 const KERNELS: [(&str, u32); 5] =

@@ -1,3 +1,281 @@
-pub(super) struct LightWords { pub tables: Vec<f32>, pub images: Vec<u32> }
-impl LightWords { pub fn triangle(&self, _primitive: u64) -> Option<u32> { None } }
-pub(super) fn lights(_: &crate::render::PreparedScene) -> LightWords { LightWords { tables: vec![], images: vec![] } }
+//! The lights of a scene as words. Whole numbers among floating-point ones are stated as such, which hold them exactly.
+//!
+//! ```text
+//! tables   0 number of placed lights, 1 of emissive triangles, 2 whether lights are weighed for each point,
+//!          3 number of lights at infinity that rays meet, 4 where their numbers begin,
+//!          5 number of lights with a surface, 6 where their numbers begin,
+//!          7 number of the environment plus 1 (0: none), 8 whether the camera sees it, 9 where triangles begin
+//!          then the placed lights, those numbers, the tables of the environment's image, and the triangles
+//! images   where lights are not weighed, a choice among all of them by power;
+//!          of the environment's image a choice of a row of cells, one of a cell for each row, and the texels (red, green, blue)
+//!
+//! light    0 kind, 1 whether the camera sees it, 2 radiance (of a delta light intensity or irradiance), 5 shape:
+//!          rectangle, ellipse   5 corner, 8 and 11 unit vectors along the edges, 14 normal, 17 size
+//!          sphere               5 center, 8 radius, 9 whether it has a cone, 10 the cone
+//!          spot                 5 position, 10 the cone
+//!          beam                 5 origin, 8 direction of travel, 11 radius
+//!          distant              5 direction; of a disc 8 sin² and 9 1 − cos of its angular radius
+//!          image                5 where its tables begin
+//! cone     axis, cosine up to which the light is even, cosine from which on there is none
+//! image    0 width, 1 height, 2 columns and 3 rows of cells, 4 width and 5 height of a cell in pixels,
+//!          6 environment from world, row by row, 15 irradiances of +x, −x, +y, −y, +z, −z,
+//!          21 where texels begin, 22 where the choice of a row begins, 23 where those of cells begin,
+//!          then sin² and cos² of half the polar angle for each edge of a row, then for each row its solid angle
+//! triangle corners, mean radiance
+//! choice   for each entry and behind the last 2³¹ × the probability of those before it
+//! ```
+//!
+//! Places count from the first word of the lights.
+
+use std::f64::consts::TAU;
+
+use glam::{Mat3, Vec3};
+use translucid_scene::SceneError;
+
+use crate::light::{EnvironmentMap, LightSet, PlacedLight, Sky};
+use crate::render::PreparedScene;
+
+/// Words of the head, of a placed light, of a triangle and of an image.
+const HEADER: usize = 10;
+const LIGHT_WORDS: usize = 19;
+const TRIANGLE_WORDS: usize = 12;
+const MAP_HEADER: usize = 24;
+
+/// Kinds of placed lights.
+const RECTANGLE: f32 = 0.0;
+const ELLIPSE: f32 = 1.0;
+const SPHERE: f32 = 2.0;
+const SPOT: f32 = 3.0;
+const BEAM: f32 = 4.0;
+const DISTANT: f32 = 5.0;
+const DISC: f32 = 6.0;
+const SKY: f32 = 7.0;
+const MAP: f32 = 8.0;
+
+/// Up to this many lights are weighed for each point.
+const MOST_WEIGHED: usize = 64;
+
+/// Lights with a surface, and lights at infinity, are tried one by one.
+const MOST_TRIED: usize = 4096;
+
+/// The lights of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightWords {
+    /// Words that stand somewhere among the device's tables.
+    pub tables: Vec<f32>,
+    /// Words that stand first among its images.
+    pub images: Vec<u32>,
+    /// Scene-wide numbers of the emissive triangles in rising order.
+    primitives: Vec<u64>,
+}
+
+impl LightWords {
+    /// The number of a triangle among the emissive ones, given its scene-wide number; `None` if it emits nothing.
+    pub fn triangle(&self, primitive: u64) -> Option<u32> {
+        self.primitives.binary_search(&primitive).ok().map(|number| number as u32)
+    }
+}
+
+/// The lights of a prepared scene as words.
+///
+/// # Errors
+/// There are too many lights with a surface, or too many at infinity.
+pub fn lights(prepared: &PreparedScene) -> Result<LightWords, SceneError> {
+    of_set(light_set(prepared))
+}
+
+/// The lights of a prepared scene, as the processor samples them.
+pub fn light_set(prepared: &PreparedScene) -> &LightSet {
+    prepared.lights()
+}
+
+fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
+    let (sources, triangles) = (&set.emitters.sources, &set.emitters.triangles);
+    let surfaces: Vec<usize> = (0..sources.len()).filter(|&light| sources[light].is_surface()).collect();
+    for (count, what) in [(surfaces.len(), "with a surface"), (set.infinite.len(), "at infinity")] {
+        if count > MOST_TRIED {
+            let message = format!("the scene has {count} lights {what}, but devices take up to {MOST_TRIED}");
+            return Err(SceneError::new(message));
+        }
+    }
+    let is_weighed = set.emitters.len() <= MOST_WEIGHED;
+    let mut images = Vec::new();
+    if !is_weighed {
+        let power = |light| f64::from(set.emitters.power(light, set.cross_section));
+        images.extend(choice(&(0..set.emitters.len()).map(power).collect::<Vec<_>>()));
+    }
+
+    let mut tables = vec![0.0; HEADER];
+    for source in sources {
+        let start = tables.len();
+        tables.extend(placed(source));
+        tables.resize(start + LIGHT_WORDS, 0.0);
+    }
+    let infinite_at = tables.len();
+    tables.extend(set.infinite.iter().map(|&light| number(light)));
+    let surfaces_at = tables.len();
+    tables.extend(surfaces.iter().map(|&light| number(light)));
+    for (light, source) in sources.iter().enumerate() {
+        if let Some(map) = map_of(source) {
+            tables[HEADER + light * LIGHT_WORDS + 5] = number(tables.len());
+            push_map(map, &mut tables, &mut images);
+        }
+    }
+    let triangles_at = tables.len();
+    for triangle in triangles {
+        let words = triangle.vertices.into_iter().chain([triangle.radiance]);
+        tables.extend(words.flat_map(|vector| vector.to_array()));
+    }
+    debug_assert_eq!(tables.len(), triangles_at + triangles.len() * TRIANGLE_WORDS);
+    let header = [
+        number(sources.len()),
+        number(triangles.len()),
+        flag(is_weighed),
+        number(set.infinite.len()),
+        number(infinite_at),
+        number(surfaces.len()),
+        number(surfaces_at),
+        number(set.environment.map_or(0, |light| light + 1)),
+        flag(set.environment_visible()),
+        number(triangles_at),
+    ];
+    tables[..HEADER].copy_from_slice(&header);
+    let primitives = triangles.iter().map(|triangle| triangle.primitive).collect();
+    Ok(LightWords { tables, images, primitives })
+}
+
+fn number(of: usize) -> f32 {
+    of as f32
+}
+
+fn flag(is_set: bool) -> f32 {
+    f32::from(u8::from(is_set))
+}
+
+/// The parts one behind the other.
+fn words(parts: &[&[f32]]) -> Vec<f32> {
+    parts.concat()
+}
+
+fn placed(source: &PlacedLight) -> Vec<f32> {
+    let v = |vector: Vec3| vector.to_array();
+    let around = |kind, around: &crate::light::Rectangle| {
+        let head = [kind, flag(around.visible)];
+        words(&[
+            &head,
+            &v(around.radiance),
+            &v(around.corner),
+            &v(around.x),
+            &v(around.y),
+            &v(around.normal),
+            &around.size,
+        ])
+    };
+    match source {
+        PlacedLight::Rectangle(light) => around(RECTANGLE, light),
+        PlacedLight::Ellipse(light) => around(ELLIPSE, &light.around),
+        PlacedLight::Sphere(light) => {
+            let head = [SPHERE, flag(light.visible)];
+            let cone = light.cone.map_or([0.0; 5], |cone| cone.words());
+            words(&[
+                &head,
+                &v(light.radiance),
+                &v(light.center),
+                &[light.radius, flag(light.cone.is_some())],
+                &cone,
+            ])
+        }
+        PlacedLight::Spot(light) => {
+            words(&[&[SPOT, 0.0], &v(light.intensity), &v(light.position()), &[0.0; 2], &light.cone.words()])
+        }
+        PlacedLight::Beam(light) => words(&[
+            &[BEAM, 0.0],
+            &v(light.irradiance),
+            &v(light.origin),
+            &v(light.direction),
+            &[light.radius],
+        ]),
+        PlacedLight::Distant(light) => match light.disc {
+            None => words(&[&[DISTANT, 0.0], &v(light.irradiance), &v(light.direction)]),
+            Some(disc) => {
+                let radiance = light.radiance(light.direction);
+                words(&[&[DISC, 0.0], &v(radiance), &v(light.direction), &[disc.sin2, disc.one_minus_cos]])
+            }
+        },
+        PlacedLight::Environment(light) => match &light.sky {
+            Sky::Constant(radiance) => words(&[&[SKY, 0.0], &v(*radiance)]),
+            Sky::Map(_) => vec![MAP],
+        },
+    }
+}
+
+fn map_of(source: &PlacedLight) -> Option<&EnvironmentMap> {
+    match source {
+        PlacedLight::Environment(light) => match &light.sky {
+            Sky::Map(map) => Some(map),
+            Sky::Constant(_) => None,
+        },
+        _ => None,
+    }
+}
+
+fn push_map(map: &EnvironmentMap, tables: &mut Vec<f32>, images: &mut Vec<u32>) {
+    let (pixels, grid) = (&map.pixels, &map.grid);
+    let weights = grid.weights(pixels);
+    let rows: Vec<&[f64]> = weights.chunks(grid.columns).collect();
+    let rows_at = images.len();
+    images.extend(choice(&rows.iter().map(|row| row.iter().sum()).collect::<Vec<f64>>()));
+    let cells_at = images.len();
+    images.extend(rows.iter().flat_map(|row| choice(row)));
+    let texels_at = images.len();
+    images.extend(pixels.data.iter().flat_map(|texel| texel.to_array().map(f32::to_bits)));
+
+    let start = tables.len();
+    let [width, height] = [pixels.width, pixels.height].map(number);
+    tables.extend([width, height, number(grid.columns), number(grid.rows)]);
+    tables.extend(grid.block.map(number));
+    tables.extend(Mat3::transpose(&map.environment_from_world).to_cols_array());
+    tables.extend(map.irradiance);
+    tables.extend([texels_at, rows_at, cells_at].map(number));
+    debug_assert_eq!(tables.len(), start + MAP_HEADER);
+    let halves = |row| {
+        let cos = grid.cos_theta(row);
+        [0.5 * (1.0 - cos), 0.5 * (1.0 + cos)].map(|half| half as f32)
+    };
+    tables.extend((0..=grid.rows).flat_map(halves));
+    let solid_angle = |row| TAU * (grid.cos_theta(row) - grid.cos_theta(row + 1));
+    tables.extend((0..grid.rows).map(|row| solid_angle(row) as f32));
+}
+
+/// A choice in proportion to weights that are not negative: all that are not 0 have a probability of 2⁻³¹ at least.
+fn choice(weights: &[f64]) -> Vec<u32> {
+    let sum: f64 = weights.iter().sum();
+    let possible = weights.iter().filter(|weight| **weight > 0.0).count();
+    let spare = f64::from(1_u32 << 31) - possible as f64;
+    let (mut before, mut possible_before) = (0.0, 0);
+    let mut words = vec![0];
+    for &weight in weights {
+        before += weight;
+        possible_before += u32::from(weight > 0.0);
+        let share = if sum > 0.0 { (before / sum).min(1.0) } else { 0.0 };
+        words.push((share * spare).round() as u32 + possible_before);
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_have_the_shares_of_their_weights() {
+        let weights = [0.0, 3.0, 1e-20, 0.0, 1.0, 1e-20, 0.0];
+        let words = choice(&weights);
+        let shares: Vec<u32> = words.windows(2).map(|ends| ends[1] - ends[0]).collect();
+        assert_eq!((words[0], words[7]), (0, 1 << 31));
+        assert_eq!([shares[0], shares[3], shares[6]], [0; 3]);
+        assert_eq!([shares[2], shares[5]], [1, 1]);
+        assert!(shares[1].abs_diff(3 << 29) <= 4 && shares[4].abs_diff(1 << 29) <= 4, "{shares:?}");
+        assert_eq!(choice(&[0.0; 3]), [0; 4]);
+    }
+}

@@ -138,8 +138,8 @@ impl<'a> Materials<'a> {
             self.words.extend([0.0; 6]);
             return;
         };
-        let known = self.media.iter().find(|(known, _)| std::ptr::eq(*known, medium));
-        let at = known.map_or_else(|| self.tables(medium), |&(_, at)| at);
+        let known = self.media.iter().find(|(known, _)| std::ptr::eq(*known, medium)).map(|&(_, at)| at);
+        let at = known.unwrap_or_else(|| self.tables(medium));
         let surface = match medium.surface {
             WalkSurface::Clear => 0.0,
             WalkSurface::Diffuse => 1.0,

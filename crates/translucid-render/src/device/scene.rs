@@ -109,13 +109,13 @@ impl DeviceScene {
     /// The scene needs something that devices lack, or is too large for this one; the message names it.
     pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
         let scene = prepared.scene();
-        let (world, transports) = prepared.parts();
+        let (world, _) = prepared.parts();
         if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
             return Err(SceneError::new(
                 "integrator.subsurface_method is not \"ray-traced\", which devices lack",
             ));
         }
-        let lights = lights(prepared);
+        let lights = lights(prepared)?;
         let light_of = |object, triangle| lights.triangle(world.geometry.primitive(object, triangle));
         let triangles = Triangles::new(scene, limits, light_of)?;
 

@@ -1,7 +1,6 @@
 //! The triangles of a scene in the order of the leaves of a binary tree, with their attributes.
 
 use glam::{Vec2, Vec3, Vec4};
-use obvhs::Boundable;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use translucid_scene::{Object, Scene, SceneError};

@@ -10,10 +10,10 @@ use super::receiver::{Receiver, luminance};
 /// See [`translucid_scene::Light::Beam`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beam {
-    origin: Vec3,
-    direction: Vec3,
-    radius: f32,
-    irradiance: Vec3,
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    pub(crate) radius: f32,
+    pub(crate) irradiance: Vec3,
     power: f32,
 }
 

@@ -35,6 +35,12 @@ impl SpotCone {
         if x.is_nan() { 0.0 } else { x * x * (3.0 - 2.0 * x) }
     }
 
+    /// Axis and cosines as numbers.
+    pub(crate) fn words(&self) -> [f32; 5] {
+        let [x, y, z] = self.axis.to_array();
+        [x, y, z, self.cos_inner, self.cos_outer]
+    }
+
     /// Solid angle over 2π, at most 2.
     pub(crate) fn one_minus_cos(&self) -> f32 {
         1.0 - self.cos_outer.max(-1.0)

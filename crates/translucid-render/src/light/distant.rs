@@ -16,16 +16,16 @@ const LEAST_ANGULAR_RADIUS: f32 = 0.01;
 /// See [`translucid_scene::Light::Distant`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Distant {
-    direction: Vec3,
-    irradiance: Vec3,
-    disc: Option<SkyDisc>,
+    pub(crate) direction: Vec3,
+    pub(crate) irradiance: Vec3,
+    pub(crate) disc: Option<SkyDisc>,
 }
 
 /// The part of the sky that a distant light fills.
 #[derive(Clone, Copy, Debug)]
-struct SkyDisc {
-    sin2: f32,
-    one_minus_cos: f32,
+pub(crate) struct SkyDisc {
+    pub(crate) sin2: f32,
+    pub(crate) one_minus_cos: f32,
 }
 
 impl Distant {

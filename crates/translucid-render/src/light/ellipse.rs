@@ -18,7 +18,7 @@ use crate::sampling::concentric_disk;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ellipse {
     /// The rectangle whose edges it touches in their middles.
-    around: Rectangle,
+    pub(crate) around: Rectangle,
 }
 
 impl Ellipse {

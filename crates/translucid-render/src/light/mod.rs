@@ -50,10 +50,13 @@ use translucid_scene::Scene;
 
 use crate::ray::Geometry;
 
-use emitters::{Emitters, PlacedLight};
+use emitters::Emitters;
+pub(crate) use emitters::PlacedLight;
 use environment::Environment;
+pub(crate) use environment::{EnvironmentMap, Sky};
 use receiver::Receiver;
 pub(crate) use receiver::luminance;
+pub(crate) use rectangle::Rectangle;
 use refracted::DeltaLights;
 pub(crate) use refracted::refracted_pdf;
 use selection::Selection;
@@ -121,16 +124,16 @@ impl LightHit {
 /// All lights of a scene, ready to be sampled from any thread.
 #[derive(Clone, Debug)]
 pub struct LightSet {
-    emitters: Emitters,
+    pub(crate) emitters: Emitters,
     selection: Selection,
     surfaces: Surfaces,
     delta: Option<DeltaLights>,
     /// The environment and the discs among the sources.
-    infinite: Vec<usize>,
-    environment: Option<usize>,
+    pub(crate) infinite: Vec<usize>,
+    pub(crate) environment: Option<usize>,
     environment_visible: bool,
     /// Cross section of the scene \[L²\].
-    cross_section: f32,
+    pub(crate) cross_section: f32,
 }
 
 impl LightSet {

@@ -18,12 +18,12 @@ const LEAST_SOLID_ANGLE: f64 = 3e-3;
 /// See [`translucid_scene::Light::Rectangle`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rectangle {
-    pub(super) corner: Vec3,
+    pub(crate) corner: Vec3,
     /// Unit vectors along the edges, and the normal on the side that emits.
-    pub(super) x: Vec3,
-    pub(super) y: Vec3,
-    pub(super) normal: Vec3,
-    pub(super) size: [f32; 2],
+    pub(crate) x: Vec3,
+    pub(crate) y: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) size: [f32; 2],
     pub(crate) radiance: Vec3,
     pub(super) luminance: f32,
     pub(crate) visible: bool,

@@ -20,11 +20,11 @@ const ROUNDING: f32 = 1e-6;
 /// into the cone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sphere {
-    center: Vec3,
-    radius: f32,
-    radiance: Vec3,
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    pub(crate) radiance: Vec3,
     luminance: f32,
-    cone: Option<SpotCone>,
+    pub(crate) cone: Option<SpotCone>,
     pub(crate) visible: bool,
 }
 

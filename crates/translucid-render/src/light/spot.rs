@@ -13,9 +13,9 @@ use super::receiver::{Receiver, luminance};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
     position: Vec3,
-    intensity: Vec3,
+    pub(crate) intensity: Vec3,
     luminance: f32,
-    cone: SpotCone,
+    pub(crate) cone: SpotCone,
 }
 
 impl Spot {

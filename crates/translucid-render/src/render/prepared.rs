@@ -105,6 +105,11 @@ impl PreparedScene {
         View::of(&self.world.scene)
     }
 
+    /// The lights of the scene.
+    pub(crate) fn lights(&self) -> &LightSet {
+        &self.world.lights
+    }
+
     /// A picker of the objects that pixels show, for any thread; later edits do not change it.
     pub fn picker(&self) -> Picker {
         Picker::new(Arc::clone(&self.world.geometry))

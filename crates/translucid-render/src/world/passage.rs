@@ -32,7 +32,7 @@ impl Media {
     }
 
     /// Returns `true` if there are any.
-    pub(super) fn any(&self) -> bool {
+    pub(crate) fn any(&self) -> bool {
         self.0.iter().any(Option::is_some)
     }
 

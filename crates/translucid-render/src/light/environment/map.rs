@@ -23,12 +23,12 @@ const MOST_CELLS: [usize; 2] = [1024, 512];
 #[derive(Clone, Debug)]
 pub(crate) struct EnvironmentMap {
     world_from_environment: Mat3,
-    environment_from_world: Mat3,
-    pixels: Pixels,
-    grid: PixelGrid,
+    pub(crate) environment_from_world: Mat3,
+    pub(crate) pixels: Pixels,
+    pub(crate) grid: PixelGrid,
     cells: CellTables,
     /// Irradiance (luminance) on surfaces that face +x, −x, +y, −y, +z, −z of the environment's frame.
-    irradiance: [f32; 6],
+    pub(crate) irradiance: [f32; 6],
 }
 
 impl EnvironmentMap {
@@ -36,10 +36,8 @@ impl EnvironmentMap {
     pub(crate) fn new(image: &Image, factor: Vec3, world_from_environment: Mat3) -> Option<Self> {
         let pixels = Pixels::new(image, factor);
         let grid = PixelGrid::new(pixels.width, pixels.height);
-        let mean_squares = grid.mean_squares(&pixels);
-        let weight = |i: usize, j: usize| {
-            f64::from(mean_squares[j * grid.columns + i]).sqrt() * grid.solid_angle(i, j)
-        };
+        let weights = grid.weights(&pixels);
+        let weight = |i: usize, j: usize| weights[j * grid.columns + i];
         let cells = CellTables::new(&WeighedCells {
             columns: grid.columns,
             rows: grid.rows,
@@ -117,11 +115,11 @@ fn lerp(from: f64, to: f64, share: f64) -> f64 {
 
 /// Linear pixels.
 #[derive(Clone, Debug)]
-struct Pixels {
-    width: usize,
-    height: usize,
+pub(crate) struct Pixels {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
     /// Rows from the top.
-    data: Vec<Vec3>,
+    pub(crate) data: Vec<Vec3>,
 }
 
 impl Pixels {
@@ -165,13 +163,13 @@ impl Pixels {
 
 /// Cells of the table: blocks of pixels.
 #[derive(Clone, Debug)]
-struct PixelGrid {
+pub(crate) struct PixelGrid {
     /// Size of the image in pixels.
     pixels: [usize; 2],
     /// Size of a cell in pixels; the last ones of a row or column may be smaller.
-    block: [usize; 2],
-    columns: usize,
-    rows: usize,
+    pub(crate) block: [usize; 2],
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
     /// Cosine of the polar angle of the upper edge of each row of cells, and of the lower edge of the last.
     cos_theta: Vec<f64>,
 }
@@ -202,7 +200,7 @@ impl PixelGrid {
     }
 
     /// Cosine of the polar angle of the upper edge of a row of cells.
-    fn cos_theta(&self, row: usize) -> f64 {
+    pub(crate) fn cos_theta(&self, row: usize) -> f64 {
         self.cos_theta[row]
     }
 
@@ -215,6 +213,16 @@ impl PixelGrid {
     fn cell(&self, u: f32, v: f32) -> [usize; 2] {
         let pixel = |x: f32, size: usize| ((f64::from(x) * size as f64) as usize).min(size - 1);
         [pixel(u, self.pixels[0]) / self.block[0], pixel(v, self.pixels[1]) / self.block[1]]
+    }
+
+    /// Light of each cell, row by row: the root mean square of its luminance times its solid angle.
+    pub(crate) fn weights(&self, pixels: &Pixels) -> Vec<f64> {
+        let mean_squares = self.mean_squares(pixels).into_iter().enumerate();
+        mean_squares
+            .map(|(cell, mean_square)| {
+                f64::from(mean_square).sqrt() * self.solid_angle(cell % self.columns, cell / self.columns)
+            })
+            .collect()
     }
 
     /// Mean square over the pixels of each cell, row by row.

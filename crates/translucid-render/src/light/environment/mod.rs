@@ -12,19 +12,19 @@ use translucid_scene::Scene;
 use super::directions::{cosine_hemisphere, uniform_sphere};
 use super::receiver::{Receiver, luminance};
 use crate::ray::Geometry;
-use map::EnvironmentMap;
+pub(crate) use map::EnvironmentMap;
 use openings::Openings;
 
 /// See [`translucid_scene::Environment`].
 #[derive(Clone, Debug)]
 pub(crate) struct Environment {
-    sky: Sky,
+    pub(crate) sky: Sky,
     openings: Option<Openings>,
 }
 
 /// Radiance by direction.
 #[derive(Clone, Debug)]
-enum Sky {
+pub(crate) enum Sky {
     /// Equal radiance from everywhere.
     Constant(Vec3),
     /// An image.
