@@ -66,6 +66,8 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+#[doc(hidden)]
+pub mod device;
 mod light;
 #[doc(hidden)]
 pub mod measure;
