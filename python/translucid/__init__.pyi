@@ -430,6 +430,7 @@ class Session:
         subsurface: str | None = None,
         seed: int | None = None,
         threads: int | None = None,
+        device: str = "cpu",
         region: Sequence[int] | None = None,
     ) -> Session: ...
     def run(self, samples: int | range | None = None, *, progress: _Progress = None) -> None: ...
@@ -511,6 +512,7 @@ def render(
     subsurface: str | None = None,
     seed: int | None = None,
     threads: int | None = None,
+    device: str = "cpu",
     region: Sequence[int] | None = None,
     layers: Iterable[str] = ("radiance", "alpha"),
     progress: _Progress = None,

@@ -172,6 +172,7 @@ def render(
     subsurface=None,
     seed=None,
     threads=None,
+    device="cpu",
     region=None,
     layers=("radiance", "alpha"),
     progress=None,
@@ -196,6 +197,8 @@ def render(
         Seed of the random numbers; by default the scene's.
     threads : int, optional
         Threads to render with; by default one per processor.
+    device : str, optional
+        Who traces the paths: see `Session`.
     region : (int, int, int, int), optional
         Render these pixels only: from (x0, y0) at the upper left to just before (x1, y1).
     layers : list of str
@@ -230,6 +233,8 @@ def render(
     for name in names:
         if name not in known:
             raise ValueError(f"layers has {name!r}, but must be of {', '.join(known)}")
-    session = Session(scene, size=size, subsurface=subsurface, seed=seed, threads=threads, region=region)
+    session = Session(
+        scene, size=size, subsurface=subsurface, seed=seed, threads=threads, device=device, region=region
+    )
     session.run(spp, progress=progress)
     return session.picture(names)

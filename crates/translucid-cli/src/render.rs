@@ -119,6 +119,12 @@ pub(crate) struct Arguments {
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+    /// Who traces the paths: cpu, gpu, auto, or a part of a device's name [default: cpu]
+    ///
+    /// `translucid devices` lists them. A device finds the same light by other paths. What a scene needs and devices lack is
+    /// refused by name; with auto the processor then traces.
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
     /// Continue from the checkpoint of an unfinished rendering
     #[arg(long)]
     resume: bool,

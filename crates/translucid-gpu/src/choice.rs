@@ -1,37 +1,56 @@
 //! The choice of a device by the name that a user gives it.
 
+use std::sync::Arc;
+
 use translucid_reference::walk::Device;
+use translucid_render::device::TracingDevice;
 
 use crate::description::DeviceDescription;
 
-/// Who is to walk photons.
+/// A choice between the processor and devices: `D` is what the device is to do.
 #[derive(Default)]
-pub struct Choice {
+pub struct Choice<D> {
     /// A device; none for the processor.
-    pub device: Option<Box<dyn Device + Send>>,
+    pub device: Option<D>,
     /// A line for the user, who left the choice to us.
     pub note: Option<String>,
 }
 
-impl Choice {
-    /// Opens what a name means, in any case of letters: `cpu` the processor; `gpu` the best graphics processor; `auto` that,
-    /// or the processor where there is none; else a device by a part of its name.
+impl Choice<Box<dyn Device + Send>> {
+    /// Opens what a name means, in any case of letters, to walk photons: `cpu` the processor; `gpu` the best graphics
+    /// processor; `auto` that, or the processor where there is none; else a device by a part of its name.
     ///
     /// # Errors
     /// There is no such device, it cannot be used, or the program was built without devices; the message says what there is.
     pub fn open(name: &str) -> Result<Self, String> {
+        Self::of(name, "walks", open_walker)
+    }
+}
+
+impl Choice<Arc<dyn TracingDevice>> {
+    /// Opens what a name means to trace the paths of pictures, as [`Choice::open`] does.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_for_pictures(name: &str) -> Result<Self, String> {
+        Self::of(name, "traces", open_tracer)
+    }
+}
+
+impl<D> Choice<D> {
+    fn of(name: &str, does: &str, open: fn(&str) -> Result<(D, String), String>) -> Result<Self, String> {
         if name.trim().is_empty() {
             return Err("the name of the device is empty".to_owned());
         }
         match name.to_lowercase().as_str() {
-            "cpu" => Ok(Self::default()),
-            "auto" => Ok(match open_device("gpu") {
+            "cpu" => Ok(Self { device: None, note: None }),
+            "auto" => Ok(match open("gpu") {
                 Ok((device, name)) => {
                     Self { device: Some(device), note: Some(format!("the device is {name}")) }
                 }
-                Err(reason) => Self { device: None, note: Some(format!("the processor walks: {reason}")) },
+                Err(reason) => Self { device: None, note: Some(format!("the processor {does}: {reason}")) },
             }),
-            _ => open_device(name).map(|(device, _)| Self { device: Some(device), note: None }),
+            _ => open(name).map(|(device, _)| Self { device: Some(device), note: None }),
         }
     }
 }
@@ -41,14 +60,26 @@ impl Choice {
 const WITHOUT: &str = "this build of translucid knows no graphics processors: published programs do, and those built with `--features gpu`";
 
 #[cfg(feature = "device")]
-fn open_device(name: &str) -> Result<(Box<dyn Device + Send>, String), String> {
+fn open_walker(name: &str) -> Result<(Box<dyn Device + Send>, String), String> {
     let gpu = crate::device::Gpu::open(name)?;
     let name = gpu.name().to_owned();
     Ok((Box::new(gpu), name))
 }
 
 #[cfg(not(feature = "device"))]
-fn open_device(_: &str) -> Result<(Box<dyn Device + Send>, String), String> {
+fn open_walker(_: &str) -> Result<(Box<dyn Device + Send>, String), String> {
+    Err(WITHOUT.to_owned())
+}
+
+#[cfg(feature = "device")]
+fn open_tracer(name: &str) -> Result<(Arc<dyn TracingDevice>, String), String> {
+    let gpu = crate::device::Gpu::open(name)?;
+    let name = gpu.name().to_owned();
+    Ok((Arc::new(gpu), name))
+}
+
+#[cfg(not(feature = "device"))]
+fn open_tracer(_: &str) -> Result<(Arc<dyn TracingDevice>, String), String> {
     Err(WITHOUT.to_owned())
 }
 

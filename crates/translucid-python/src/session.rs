@@ -1,15 +1,17 @@
 //! `Session`: a picture that becomes better step by step, while its scene is edited and its film read.
 
 use std::collections::HashMap;
+use std::ffi::CString;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use numpy::{IntoPyArray, PyArrayMethods};
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyRange, PyRangeMethods};
+use translucid_gpu::Choice;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_load::{Piece, SceneBuilder};
 use translucid_render::{
@@ -59,6 +61,10 @@ const DENOISED: &str = "denoised";
 ///     Seed of the random numbers; by default the scene's.
 /// threads : int, optional
 ///     Threads to render with, at most 1024; by default one per processor. The picture does not depend on it.
+/// device : str, optional
+///     Who traces the paths: "cpu", "gpu" (the best graphics processor), "auto" (that, or the processor where there is none or
+///     devices lack what the scene needs, with a warning), or a part of a device's name. A device finds the same light by
+///     other paths.
 /// region : (int, int, int, int), optional
 ///     Render these pixels only: from (x0, y0) at the upper left to just before (x1, y1). They are those of the whole
 ///     picture, bit for bit.
@@ -84,13 +90,14 @@ pub(crate) struct Session {
 #[pymethods]
 impl Session {
     #[new]
-    #[pyo3(signature = (scene, *, size=None, subsurface=None, seed=None, threads=None, region=None))]
+    #[pyo3(signature = (scene, *, size=None, subsurface=None, seed=None, threads=None, device="cpu", region=None))]
     pub(crate) fn new(
         scene: &Any<'_>,
         size: Option<&Any<'_>>,
         subsurface: Option<&str>,
         seed: Option<&Any<'_>>,
         threads: Option<&Any<'_>>,
+        device: &str,
         region: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let options = picture_options(size, subsurface)?;
@@ -101,7 +108,8 @@ impl Session {
         let py = scene.py();
         let mut scene = scene_of(scene, options)?;
         scene.integrator.seed = seed.unwrap_or(scene.integrator.seed);
-        let session = long_work::run_or_leave(py, move || -> Result<_, Failure> {
+        let choice = Choice::open_for_pictures(device).map_err(PyValueError::new_err)?;
+        let (session, note) = long_work::run_or_leave(py, move || -> Result<_, Failure> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::work)?;
             let view = View::of(&scene)?;
             let view = region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
@@ -111,8 +119,21 @@ impl Session {
                 translucid_render::Session::BYTES_PER_PIXEL,
             )?;
             let prepared = pool.install(|| PreparedScene::new(scene))?;
-            Ok(translucid_render::Session::new(prepared, view))
+            let mut session = translucid_render::Session::new(prepared, view);
+            let is_auto = choice.note.is_some();
+            let mut note = choice.note.filter(|_| choice.device.is_none());
+            if let Some(device) = choice.device {
+                match session.set_device(Some(device)) {
+                    Err(error) if is_auto => note = Some(format!("the processor traces: {error}")),
+                    result => result?,
+                }
+            }
+            Ok((session, note))
         })??;
+        if let Some(note) = note {
+            let text = CString::new(note).map_err(|_| PyValueError::new_err("a device's name holds a NUL"))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        }
         Ok(Self { live: LiveSession::new(session, threads) })
     }
 

@@ -161,7 +161,7 @@ struct WalkWork<'a> {
     /// Radii in mean free paths.
     radii: Vec<f64>,
     albedos: Albedos,
-    choice: Choice,
+    choice: Choice<Box<dyn Device + Send>>,
 }
 
 /// The albedos of the printed table.
@@ -172,7 +172,7 @@ enum Albedos {
     Surface(Vec<f64>),
 }
 
-fn device(choice: &Choice) -> Option<&dyn Device> {
+fn device(choice: &Choice<Box<dyn Device + Send>>) -> Option<&dyn Device> {
     choice.device.as_deref().map(|device| device as &dyn Device)
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
+use translucid_gpu::Choice;
 use translucid_image::{Denoiser, OutputError, Picture, PixelRect};
 use translucid_render::{
     CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, ShardNotes, ShardRun,
@@ -92,7 +93,25 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
     let view = prepared.view()?;
     let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
     let prepared = points::prepare(prepared, &view)?;
-    Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
+    let mut session = Session::new(prepared, view);
+    set_device(&mut session, arguments.device.as_deref().unwrap_or("cpu"))?;
+    Work::start(session, task, start.elapsed())?.finish()
+}
+
+/// Sets who traces paths.
+fn set_device(session: &mut Session, name: &str) -> Result<(), Failure> {
+    let choice = Choice::open_for_pictures(name)
+        .map_err(|reason| Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there"))?;
+    choice.note.iter().for_each(|note| messages::print_note(note));
+    let Some(device) = choice.device else { return Ok(()) };
+    match session.set_device(Some(device)) {
+        Ok(()) => Ok(()),
+        Err(error) if choice.note.is_some() => {
+            messages::print_note(&format!("the processor traces: {error}"));
+            Ok(())
+        }
+        Err(error) => Err(Failure::from(error).with_help("--device cpu renders it")),
+    }
 }
 
 /// The model of each material that light goes under.

@@ -1,16 +1,22 @@
 //! Functions of the shaders on many inputs at once, for tests that hold them against their twins on the CPU.
 
 use std::fmt::Write as _;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::device::{Gpu, devices};
 
 /// The device of the tests: `TRANSLUCID_DEVICE` names it, else it is the first that the system has, of any kind.
-pub(crate) fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
+pub(crate) fn gpu() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
     let first =
         || devices().into_iter().next().expect("a device: on a machine without one, Mesa's llvmpipe").name;
-    GPU.get_or_init(|| Gpu::open(&std::env::var("TRANSLUCID_DEVICE").unwrap_or_else(|_| first())).unwrap())
+    let open = || Gpu::open(&std::env::var("TRANSLUCID_DEVICE").unwrap_or_else(|_| first())).unwrap();
+    GPU.get_or_init(|| Arc::new(open()))
+}
+
+/// The device of the tests, to be kept.
+pub(crate) fn shared() -> Arc<Gpu> {
+    Arc::clone(gpu())
 }
 
 /// Statements of WGSL, run for every input.

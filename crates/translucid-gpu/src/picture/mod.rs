@@ -8,6 +8,8 @@ mod camera;
 #[cfg(test)]
 mod evaluate;
 #[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
 mod tests;
 
 use std::ops::Range;
@@ -51,18 +53,32 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/light_directions.wgsl"),
     include_str!("shaders/light_tables.wgsl"),
 ];
+fn text() -> String {
+    if let Ok(dir) = std::env::var("SHADERS") {
+        return std::fs::read_dir(dir).unwrap().map(|e| std::fs::read_to_string(e.unwrap().path()).unwrap()).collect();
+    }
+    SHADERS.concat()
+}
 /// The kernels of a round, and how many slots one invocation each they need.
-const KERNELS: [(&str, u32); 5] =
-    [("begin_samples", 1), ("trace", 2), ("pass_on", 1), ("at_surfaces", 1), ("in_walks", 1)];
+const KERNELS: [(&str, u32); 8] = [
+    ("begin_samples", 1),
+    ("trace", 2),
+    ("end_flights", 1),
+    ("look", 2),
+    ("pass_on", 1),
+    ("meet_surfaces", 1),
+    ("sample_lights", 1),
+    ("scatter_paths", 1),
+];
 /// Bytes of a slot.
-const SLOT_BYTES: u64 = 496;
+const SLOT_BYTES: u64 = 1008;
 /// Counters before the lists of slots, those of the lists, and the lists.
-const COUNTERS: u64 = 8;
-const LIST_COUNTERS: Range<u64> = 2..7;
+const COUNTERS: u64 = 9;
+const LIST_COUNTERS: Range<u64> = 2..9;
 /// Words of a sample.
 const SAMPLE_WORDS: usize = 20;
 /// Paths under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
-const SLOTS: (u32, u32) = (1 << 18, 1 << 12);
+const SLOTS: (u32, u32) = (1 << 17, 1 << 12);
 /// Rounds between two looks at the counters, at most.
 const MOST_ROUNDS: u32 = 256;
 
@@ -100,7 +116,7 @@ impl Tracing {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
+            source: wgpu::ShaderSource::Wgsl(text().into()),
         });
         let layout = bindings(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -110,6 +126,7 @@ impl Tracing {
         });
         let constants = [("group_size", f64::from(gpu.group()))];
         let kernels = KERNELS.map(|(name, share)| {
+            eprintln!("{name}");
             let kernel = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(name),
                 layout: Some(&pipeline_layout),

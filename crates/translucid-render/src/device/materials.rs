@@ -16,6 +16,11 @@ const NO_TEXTURE: f32 = -1.0;
 /// Intervals of a table over the surface albedo.
 const ALBEDOS: usize = 1024;
 
+/// Words of an input: three factors, a texture, what of it counts.
+const INPUT_WORDS: usize = 5;
+/// Inputs of a material.
+const INPUTS: usize = 17;
+
 /// Numbers of materials, textures and media, which grow as materials are added.
 pub(super) struct Materials<'a> {
     scene: &'a Scene,
@@ -28,7 +33,7 @@ pub(super) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// Number of words of a material.
-    pub(super) const WORDS: usize = 88;
+    pub(super) const WORDS: usize = 106;
 
     pub(super) fn new(scene: &'a Scene) -> Self {
         let (words, textures) = (Vec::new(), Vec::new());
@@ -61,58 +66,72 @@ impl<'a> Materials<'a> {
                 return lacks("a subsurface_model with a profile (a random walk can be traced)");
             }
         };
+        if has_varied_emission(material) {
+            return lacks("emission from a texture, from vertex colors or through opacity");
+        }
         let start = self.words.len();
-        self.color(&material.base_color);
-        self.words.push(material.base_weight);
-        self.scalar(&material.base_metalness);
-        self.scalar(&material.specular_weight);
-        self.color(&material.specular_color);
-        self.scalar(&material.specular_roughness);
-        self.words.push(material.specular_ior);
-        self.scalar(&material.transmission_weight);
-        self.color(&material.transmission_color);
-        self.words.push(material.transmission_depth);
-        self.scalar(&material.subsurface_weight);
-        self.color(&material.subsurface_color);
-        self.scalar(&material.subsurface_radius);
-        self.color(&material.subsurface_radius_scale);
-        self.words.push(material.subsurface_scatter_anisotropy);
-        self.scalar(&material.coat_weight);
-        self.color(&material.coat_color);
-        self.scalar(&material.coat_roughness);
-        self.words.push(material.coat_ior);
-        self.words.push(material.emission_luminance.max(0.0));
-        self.color(&material.emission_color);
-        self.scalar(&material.geometry_opacity);
-        self.words.push(number(material.geometry_thin_walled.into()));
+        for input in [
+            &material.base_color,
+            &material.specular_color,
+            &material.transmission_color,
+            &material.subsurface_color,
+            &material.subsurface_radius_scale,
+            &material.coat_color,
+            &material.emission_color,
+        ] {
+            self.color(input);
+        }
+        for input in [
+            &material.base_metalness,
+            &material.specular_weight,
+            &material.specular_roughness,
+            &material.transmission_weight,
+            &material.subsurface_weight,
+            &material.subsurface_radius,
+            &material.coat_weight,
+            &material.coat_roughness,
+            &material.geometry_opacity,
+        ] {
+            self.scalar(input);
+        }
         let map = material.geometry_normal.as_ref();
         let texture = map.map_or(NO_TEXTURE, |map| self.texture(&map.texture));
-        self.words.extend([texture, map.map_or(1.0, |map| map.scale)]);
-        self.words.push(number((material.camera_visibility == CameraVisibility::None).into()));
+        self.words.extend([1.0, 1.0, 1.0, texture, 0.0]);
+        debug_assert_eq!(self.words.len() - start, INPUTS * INPUT_WORDS);
+        self.words.extend([
+            material.base_weight,
+            material.specular_ior,
+            material.transmission_depth,
+            material.subsurface_scatter_anisotropy,
+            material.coat_ior,
+            material.emission_luminance.max(0.0),
+            number(material.geometry_thin_walled.into()),
+            map.map_or(1.0, |map| map.scale),
+            number((material.camera_visibility == CameraVisibility::None).into()),
+        ]);
         self.medium(medium.map(AsRef::as_ref));
         self.words.push(number(reflectance_at));
         self.words.push(number(world.surfaces.lets_light_through(index).into()));
         self.words.push(number(world.media.of(index).is_some().into()));
         self.words.extend(surface::absorption(material).to_array());
-        debug_assert!(self.words.len() - start <= Self::WORDS, "{}", self.words.len() - start);
-        self.words.resize(start + Self::WORDS, 0.0);
+        debug_assert_eq!(self.words.len() - start, Self::WORDS);
         Ok(())
     }
 
-    /// Five words: factor, texture, whether vertex colors count.
+    /// A color as an input: 1 stands for vertex colors beside a texture's.
     fn color(&mut self, input: &ColorInput) {
         let texture = input.texture.as_ref().map_or(NO_TEXTURE, |texture| self.texture(texture));
         self.words.extend(input.factor.to_array());
         self.words.extend([texture, number(input.vertex_color.into())]);
     }
 
-    /// Three words: factor, texture, channel.
+    /// A number as an input: 2 stands for a texture's first channel.
     fn scalar(&mut self, input: &ScalarInput) {
         let (texture, channel) = match &input.texture {
-            Some((texture, channel)) => (self.texture(texture), number(*channel as usize)),
-            None => (NO_TEXTURE, 0.0),
+            Some((texture, channel)) => (self.texture(texture), *channel as usize),
+            None => (NO_TEXTURE, 0),
         };
-        self.words.extend([input.factor, texture, channel]);
+        self.words.extend([input.factor, input.factor, input.factor, texture, number(2 + channel)]);
     }
 
     /// The number of a texture.
@@ -169,7 +188,10 @@ fn number(of: usize) -> f32 {
 }
 
 /// Returns `true` if a material emits light in other ways than a constant.
-pub(super) fn has_varied_emission(material: &Material) -> bool {
+fn has_varied_emission(material: &Material) -> bool {
+    if material.emission_luminance <= 0.0 {
+        return false;
+    }
     material.emission_color.texture.is_some()
         || material.emission_color.vertex_color
         || material.geometry_opacity.texture.is_some()

@@ -50,8 +50,6 @@ pub enum Header {
     Media,
     /// Where lights begin.
     Lights,
-    /// Where, for each triangle that is a light, its place among the triangles begins.
-    LightTriangles,
     /// Where the inverse distribution of the pixel filter begins, and its number of intervals.
     Filter,
     /// Intervals of the filter.
@@ -143,7 +141,6 @@ impl DeviceScene {
                 [direction & 0xffff, direction >> 16].map(|half| half as f32)
             })
         });
-        let places: Vec<f32> = triangles.lights.iter().map(|&place| place as f32).collect();
         let integrator = &scene.integrator;
         let (low, high) = world.geometry.bounds();
         let (middle, diagonal) = (0.5 * (low + high), high - low);
@@ -156,7 +153,6 @@ impl DeviceScene {
             (Header::TextureWords, TEXTURE_WORDS as f32),
             (Header::Media, append(&materials.medium_tables)),
             (Header::Lights, append(&lights.tables)),
-            (Header::LightTriangles, append(&places)),
             (Header::Filter, append(view.filter())),
             (Header::FilterIntervals, FILTER_TABLE as f32),
             (Header::Sobol, append(&sobol.collect::<Vec<f32>>())),

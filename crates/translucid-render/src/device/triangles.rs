@@ -51,8 +51,6 @@ pub(super) struct Triangles {
     pub(super) triangles: Vec<u32>,
     pub(super) attributes: Vec<f32>,
     pub(super) layout: AttributeLayout,
-    /// For each triangle that is a light its place among the triangles.
-    pub(super) lights: Vec<u32>,
 }
 
 impl Triangles {
@@ -104,17 +102,11 @@ impl Triangles {
             triangles: Vec::with_capacity(places.len() * TRIANGLE_WORDS as usize),
             attributes: Vec::with_capacity(places.len() * layout.stride as usize),
             layout,
-            lights: Vec::new(),
         };
-        for (place, &number) in order.iter().enumerate() {
+        for &number in &order {
             let (object, triangle) = places[number as usize];
-            let light = light_of(object, triangle);
-            if let Some(light) = light {
-                let light = light as usize;
-                new.lights.resize(new.lights.len().max(light + 1), 0);
-                new.lights[light] = place as u32;
-            }
-            new.push(&scene.objects[object as usize], triangle, light.unwrap_or(NO_LIGHT));
+            let light = light_of(object, triangle).unwrap_or(NO_LIGHT);
+            new.push(&scene.objects[object as usize], triangle, light);
         }
         Ok(new)
     }

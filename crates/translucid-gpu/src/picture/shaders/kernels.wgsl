@@ -1,11 +1,14 @@
 // The kernels of a round. Each works off lists of slots that others have filled, so that neighbors do alike work, and ends
 // soon: no walk is followed to its end, for systems kill what takes seconds.
 //
-//   begin      all slots → samples that are done are written, others begun; slots into lists
-//   trace      rays and light samples → what they meet
-//   pass       light samples at surfaces and lights → further, there, or gone
-//   surfaces   paths at surfaces → their way on, a light sample
-//   walks      walks at the ends of flights → the next flight, or a path outside
+//   begin_samples   all slots → samples that are done are written, others begun; slots into lists
+//   trace           rays, flights and light samples → what they meet
+//   end_flights     flights → a collision, the body's end, or on
+//   look            what was met → the material's values there
+//   pass_on         light samples at surfaces and lights → further, there, or gone
+//   meet_surfaces   paths at lights, surfaces and bodies' ends → gone, on, or to be scattered beside a light sample
+//   sample_lights   light samples
+//   scatter_paths   paths → their way on; light samples set out
 
 override group_size: u32 = 64u;
 
@@ -23,7 +26,8 @@ fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
         slots[slot].path.work = IDLE;
         work = IDLE;
     }
-    if (work == IDLE && settings.is_stopped == 0u) {
+    // Counted only while there are any, or the counter would turn over
+    if (work == IDLE && settings.is_stopped == 0u && atomicLoad(&queues[NEXT_ITEM]) < settings.items) {
         let item = atomicAdd(&queues[NEXT_ITEM], 1u);
         if (item < settings.items) {
             begin(slot, item);
@@ -33,12 +37,9 @@ fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
     if (work == FREE_RAY || work == WALK_RAY) {
         enqueue(RAYS, slot);
     }
-    // Those that wait for their light sample
-    if (work == FREE_HIT) {
-        enqueue(SURFACES, slot);
-    }
-    if (work == WALK_HIT) {
-        enqueue(WALKS, slot);
+    // Those that wait for their last light sample
+    if (work == AT_SURFACE || work == COLLIDED || work == AT_MATTE_END) {
+        enqueue(SCATTERS, slot);
     }
     if (has_shadow && work != IDLE) {
         enqueue(SHADOWS, slot);
@@ -63,14 +64,14 @@ fn trace_path(slot: u32) {
     if (slots[slot].path.work == FREE_RAY) {
         hit = closest(slots[slot].path.origin, slots[slot].path.direction, NEVER, EVERY_GROUP, 0u, false);
         slots[slot].path.work = FREE_HIT;
-        enqueue(SURFACES, slot);
+        enqueue(POINTS, slot);
     } else {
         let done = slots[slot].walk.done;
         let direction = slots[slot].walk.direction;
         let way = slots[slot].walk.length - done + slots[slot].walk.offset;
-        hit = closest(slots[slot].walk.from + direction * done, direction, way, ONE_GROUP, slots[slot].walk.group, false);
+        hit = closest(slots[slot].walk.start + direction * done, direction, way, ONE_GROUP, slots[slot].walk.group, false);
         slots[slot].path.work = WALK_HIT;
-        enqueue(WALKS, slot);
+        enqueue(FLIGHTS, slot);
     }
     slots[slot].path.hit_t = hit.t;
     slots[slot].path.hit = hit.b;
@@ -95,30 +96,147 @@ fn trace_shadow(slot: u32) {
 }
 
 @compute @workgroup_size(group_size)
+fn end_flights(@builtin(global_invocation_id) id: vec3u) {
+    let slot = dequeue(FLIGHTS, id.x);
+    if (slot >= settings.slots) {
+        return;
+    }
+    var path = slots[slot].path;
+    var walk = slots[slot].walk;
+    var light = slots[slot].light;
+    flight_step(&path, &walk, &light);
+    if (path.work == WALK_END) {
+        enqueue(POINTS, slot);
+    }
+    if (path.work == COLLIDED) {
+        enqueue_scattering(slot, light.kind);
+    }
+    slots[slot].path = path;
+    slots[slot].walk = walk;
+    slots[slot].light = light;
+}
+
+fn enqueue_scattering(slot: u32, light: u32) {
+    enqueue(SCATTERS, slot);
+    if (light != NO_LIGHT) {
+        enqueue(LIGHT_REQUESTS, slot);
+    }
+}
+
+@compute @workgroup_size(group_size)
+fn look(@builtin(global_invocation_id) id: vec3u) {
+    let points = atomicLoad(&queues[POINTS]);
+    let is_shadow = id.x >= points;
+    var slot = 0u;
+    if (is_shadow) {
+        slot = dequeue(SHADOW_HITS, id.x - points);
+    } else {
+        slot = dequeue(POINTS, id.x);
+    }
+    if (slot >= settings.slots) {
+        return;
+    }
+    let triangle = select(slots[slot].path.hit_triangle, slots[slot].shadow.hit_triangle, is_shadow);
+    if (triangle == NO_TRIANGLE) {
+        return;
+    }
+    let met = met_at(triangle, select(slots[slot].path.hit, slots[slot].shadow.hit, is_shadow));
+    if (is_shadow) {
+        slots[slot].shadow_met = met;
+    } else {
+        slots[slot].met = met;
+    }
+}
+
+@compute @workgroup_size(group_size)
 fn pass_on(@builtin(global_invocation_id) id: vec3u) {
     lights_at = head(LIGHTS);
     let slot = dequeue(SHADOW_HITS, id.x);
     if (slot < settings.slots) {
         var shadow = slots[slot].shadow;
-        shadow_step(slot, &shadow);
+        var met = slots[slot].shadow_met;
+        shadow_step(slot, &shadow, &met);
         slots[slot].shadow = shadow;
     }
 }
 
 @compute @workgroup_size(group_size)
-fn at_surfaces(@builtin(global_invocation_id) id: vec3u) {
+fn meet_surfaces(@builtin(global_invocation_id) id: vec3u) {
     lights_at = head(LIGHTS);
-    let slot = dequeue(SURFACES, id.x);
-    if (slot < settings.slots && slots[slot].shadow.stage == NO_SHADOW) {
-        surface_step(slot);
+    let slot = dequeue(POINTS, id.x);
+    if (slot >= settings.slots) {
+        return;
     }
+    var path = slots[slot].path;
+    var light = slots[slot].light;
+    var met = slots[slot].met;
+    if (path.work == FREE_HIT) {
+        var found = slots[slot].found;
+        meet(&path, &found, &met, &light);
+        slots[slot].found = found;
+    } else {
+        var walk = slots[slot].walk;
+        reach_end(&path, &walk, &met, &light);
+        slots[slot].walk = walk;
+    }
+    if (path.work == AT_SURFACE || path.work == AT_MATTE_END) {
+        enqueue_scattering(slot, light.kind);
+    }
+    slots[slot].path = path;
+    slots[slot].light = light;
 }
 
 @compute @workgroup_size(group_size)
-fn in_walks(@builtin(global_invocation_id) id: vec3u) {
+fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
     lights_at = head(LIGHTS);
-    let slot = dequeue(WALKS, id.x);
-    if (slot < settings.slots && slots[slot].shadow.stage == NO_SHADOW) {
-        walk_step(slot);
+    let slot = dequeue(LIGHT_REQUESTS, id.x);
+    if (slot >= settings.slots) {
+        return;
     }
+    let work = slots[slot].path.work;
+    var u: vec4f;
+    if (work == COLLIDED) {
+        var path = slots[slot].path;
+        u = walk_numbers(&path, 2u * slots[slot].walk.events - 1u);
+    } else {
+        let number = select(SURFACE_SETS + WALK_SETS, 1u, work == AT_SURFACE);
+        u = stratified(slots[slot].path.sampler, slots[slot].path.vertex, number);
+    }
+    var light = slots[slot].light;
+    let sample = light_sample(light.point, light.normal, u.x, u.yz);
+    light.direction = sample.direction;
+    light.distance = min(sample.distance, NEVER);
+    light.radiance = sample.radiance;
+    light.pdf = sample.pdf;
+    light.random = u.w;
+    light.kind = select(NO_LIGHT, select(USABLE, DELTA, sample.is_delta), sample.is_usable);
+    slots[slot].light = light;
+}
+
+@compute @workgroup_size(group_size)
+fn scatter_paths(@builtin(global_invocation_id) id: vec3u) {
+    let slot = dequeue(SCATTERS, id.x);
+    if (slot >= settings.slots || slots[slot].shadow.stage != NO_SHADOW) {
+        return;
+    }
+    var path = slots[slot].path;
+    var light = slots[slot].light;
+    var shadow = slots[slot].shadow;
+    if (path.work == AT_SURFACE) {
+        var met = slots[slot].met;
+        var found = slots[slot].found;
+        scatter_at_surface(slot, &path, &found, &met, &light, &shadow);
+        slots[slot].found = found;
+    } else {
+        var walk = slots[slot].walk;
+        if (path.work == COLLIDED) {
+            scatter_walk(&path, &walk, &light, &shadow);
+        } else {
+            var met = slots[slot].met;
+            scatter_at_matte_end(&path, &walk, &met, &light, &shadow);
+        }
+        slots[slot].walk = walk;
+    }
+    slots[slot].path = path;
+    slots[slot].shadow = shadow;
 }

@@ -100,7 +100,7 @@ fn light_luminance(color: vec3f) -> f32 {
 // matters, or 0: all directions matter. All numbers are in [0, 1).
 fn light_sample(point: vec3f, normal: vec3f, choice: f32, u: vec2f) -> LightSample {
     let odds = light_odds(point, normal);
-    let chosen = light_choose(odds, point, normal, light_word(choice, light_hash(choice, u)));
+    let chosen = light_choose(odds, light_word(choice, light_hash(choice, u)));
     if (chosen.probability <= 0.0) {
         return no_light_sample();
     }
@@ -118,7 +118,7 @@ fn light_sample(point: vec3f, normal: vec3f, choice: f32, u: vec2f) -> LightSamp
                 } else {
                     direction = sky_direction(at, normal, u);
                 }
-                let pdf = infinite_light_pdf(odds, point, normal, direction);
+                let pdf = infinite_light_pdf(odds, normal, direction);
                 sample = light_sample_toward(direction, INFINITE_DISTANCE, environment_radiance(direction), pdf);
             }
             case LIGHT_RECTANGLE: {
@@ -189,8 +189,8 @@ fn light_intersect(origin: vec3f, direction: vec3f, t_max: f32, of_camera: bool)
     return hit;
 }
 
-// Density with which `light_sample` makes the direction from a point toward a hit, selection included.
-fn light_hit_pdf(hit: LightHit, point: vec3f, normal: vec3f) -> f32 {
+// Density with which `light_sample` makes the direction from a point toward a hit, selection by the odds there included.
+fn light_hit_pdf(odds: LightOdds, hit: LightHit, point: vec3f) -> f32 {
     let at = light_at(hit.light);
     var density = 0.0;
     switch light_kind(at) {
@@ -207,17 +207,17 @@ fn light_hit_pdf(hit: LightHit, point: vec3f, normal: vec3f) -> f32 {
     if (density <= 0.0) {
         return 0.0;
     }
-    return usable_density(light_probability(light_odds(point, normal), hit.light, point, normal) * density);
+    return usable_density(light_probability(odds, hit.light) * density);
 }
 
 // The same for a hit on an emissive triangle; 0 if it does not emit to there.
-fn emissive_triangle_pdf(light_triangle: u32, point: vec3f, normal: vec3f, hit: vec3f, hit_normal: vec3f) -> f32 {
+fn emissive_triangle_pdf(odds: LightOdds, light_triangle: u32, point: vec3f, hit: vec3f) -> f32 {
     let density = triangle_light_pdf(light_triangle, point, hit - point);
     if (density <= 0.0) {
         return 0.0;
     }
     let light = light_placed_count() + light_triangle;
-    return usable_density(light_probability(light_odds(point, normal), light, point, normal) * density);
+    return usable_density(light_probability(odds, light) * density);
 }
 
 // Densities that no sample has count as 0.
@@ -254,15 +254,15 @@ fn environment_is_visible() -> bool {
 }
 
 // Density with which `light_sample` makes a direction to infinity, selection included.
-fn environment_pdf(point: vec3f, normal: vec3f, direction: vec3f) -> f32 {
+fn environment_pdf(odds: LightOdds, normal: vec3f, direction: vec3f) -> f32 {
     if (light_number(3u) == 0u) {
         return 0.0;
     }
-    return usable_density(infinite_light_pdf(light_odds(point, normal), point, normal, direction));
+    return usable_density(infinite_light_pdf(odds, normal, direction));
 }
 
 // The density of all lights at infinity together.
-fn infinite_light_pdf(odds: LightOdds, point: vec3f, normal: vec3f, direction: vec3f) -> f32 {
+fn infinite_light_pdf(odds: LightOdds, normal: vec3f, direction: vec3f) -> f32 {
     var sum = 0.0;
     let count = light_number(3u);
     for (var i = 0u; i < count; i++) {
@@ -275,7 +275,7 @@ fn infinite_light_pdf(odds: LightOdds, point: vec3f, normal: vec3f, direction: v
             density = sky_pdf(at, normal, direction);
         }
         if (density > 0.0) {
-            sum += light_probability(odds, light, point, normal) * density;
+            sum += light_probability(odds, light) * density;
         }
     }
     return sum;

@@ -1,5 +1,7 @@
 // Selection of the light to sample: few lights in proportion to their importance for the point at hand, many by their power.
 
+// Up to this many lights are weighed for each point.
+const MOST_WEIGHED = 64u;
 // Share of the samples that goes evenly to all lights that can contribute, in case the important ones are hidden.
 const EVEN_SHARE = 0.1f;
 // Importances beyond these are as good as equal, and their sums stay in range.
@@ -27,6 +29,10 @@ fn light_count() -> u32 {
     return light_number(0u) + light_number(1u);
 }
 
+// Importances of the lights at the point whose odds were found last: drivers copy what is called into every place.
+var<private> light_importances: array<f32, MOST_WEIGHED>;
+
+// Weighs the lights at a point.
 fn light_odds(point: vec3f, normal: vec3f) -> LightOdds {
     if (!lights_are_weighed()) {
         return LightOdds(0.0, 0.0);
@@ -36,6 +42,7 @@ fn light_odds(point: vec3f, normal: vec3f) -> LightOdds {
     let count = light_count();
     for (var light = 0u; light < count; light++) {
         let importance = light_importance(light, point, normal);
+        light_importances[light % MOST_WEIGHED] = importance;
         sum += importance;
         contributing += select(0.0, 1.0, importance > 0.0);
     }
@@ -45,17 +52,17 @@ fn light_odds(point: vec3f, normal: vec3f) -> LightOdds {
     return LightOdds(0.0, 0.0);
 }
 
-// Probability with which `light_choose` selects a light.
-fn light_probability(odds: LightOdds, light: u32, point: vec3f, normal: vec3f) -> f32 {
+// Probability with which `light_choose` selects a light, at the point of the odds.
+fn light_probability(odds: LightOdds, light: u32) -> f32 {
     if (!lights_are_weighed()) {
         return table_probability(0u, light);
     }
-    let importance = light_importance(light, point, normal);
+    let importance = light_importances[light % MOST_WEIGHED];
     return select(0.0, importance * odds.scale + odds.even, importance > 0.0);
 }
 
 // Selects a light by a word of 31 bits.
-fn light_choose(odds: LightOdds, point: vec3f, normal: vec3f, word: u32) -> LightChoice {
+fn light_choose(odds: LightOdds, word: u32) -> LightChoice {
     let count = light_count();
     if (count == 0u) {
         return LightChoice(0u, 0.0);
@@ -68,7 +75,7 @@ fn light_choose(odds: LightOdds, point: vec3f, normal: vec3f, word: u32) -> Ligh
     var chosen = LightChoice(0u, 0.0);
     var end = 0.0;
     for (var light = 0u; light < count; light++) {
-        let probability = light_probability(odds, light, point, normal);
+        let probability = light_probability(odds, light);
         if (probability > 0.0) {
             chosen = LightChoice(light, probability);
             end += probability;

@@ -1,42 +1,47 @@
 // A material's parameters at a point: factors, textures and vertex colors multiplied, clamped to their ranges.
 
-// Places in the words of a material.
+// Inputs of a material: five words each, which are three factors, a texture (below 0: none) and what of it counts: 0 its
+// color, 1 that and vertex colors, from 2 on a channel.
+const INPUT_WORDS = 5u;
+const INPUTS = 17u;
 const BASE_COLOR = 0u;
-const BASE_WEIGHT = 5u;
-const BASE_METALNESS = 6u;
-const SPECULAR_WEIGHT = 9u;
-const SPECULAR_COLOR = 12u;
-const SPECULAR_ROUGHNESS = 17u;
-const SPECULAR_IOR = 20u;
-const TRANSMISSION_WEIGHT = 21u;
-const TRANSMISSION_COLOR = 24u;
-const TRANSMISSION_DEPTH = 29u;
-const SUBSURFACE_WEIGHT = 30u;
-const SUBSURFACE_COLOR = 33u;
-const SUBSURFACE_RADIUS = 38u;
-const SUBSURFACE_RADIUS_SCALE = 41u;
-const SUBSURFACE_ANISOTROPY = 46u;
-const COAT_WEIGHT = 47u;
-const COAT_COLOR = 50u;
-const COAT_ROUGHNESS = 55u;
-const COAT_IOR = 58u;
-const EMISSION_LUMINANCE = 59u;
-const EMISSION_COLOR = 60u;
-const OPACITY = 65u;
-const THIN_WALLED = 68u;
-const NORMAL_MAP = 69u;
-const NORMAL_SCALE = 70u;
-const HIDDEN_FROM_CAMERA = 71u;
-const HAS_WALK = 72u;
-const WALK_SURFACE = 73u;
-const WALK_ETA = 74u;
-const WALK_G = 75u;
-const MOST_FLIGHTS = 76u;
-const MEDIUM = 77u;
-const REFLECTANCES = 78u;
-const LETS_LIGHT_THROUGH = 79u;
-const IS_MATCHED = 80u;
-const ABSORPTION = 81u;
+const SPECULAR_COLOR = 1u;
+const TRANSMISSION_COLOR = 2u;
+const SUBSURFACE_COLOR = 3u;
+const RADIUS_SCALE = 4u;
+const COAT_COLOR = 5u;
+const EMISSION_COLOR = 6u;
+const METALNESS = 7u;
+const SPECULAR_WEIGHT = 8u;
+const SPECULAR_ROUGHNESS = 9u;
+const TRANSMISSION_WEIGHT = 10u;
+const SUBSURFACE_WEIGHT = 11u;
+const SUBSURFACE_RADIUS = 12u;
+const COAT_WEIGHT = 13u;
+const COAT_ROUGHNESS = 14u;
+const OPACITY = 15u;
+const NORMAL_MAP = 16u;
+
+// Places of its constants, behind the inputs.
+const BASE_WEIGHT = 85u;
+const SPECULAR_IOR = 86u;
+const TRANSMISSION_DEPTH = 87u;
+const ANISOTROPY = 88u;
+const COAT_IOR = 89u;
+const EMISSION_LUMINANCE = 90u;
+const THIN_WALLED = 91u;
+const NORMAL_SCALE = 92u;
+const HIDDEN_FROM_CAMERA = 93u;
+const HAS_WALK = 94u;
+const WALK_SURFACE = 95u;
+const WALK_ETA = 96u;
+const WALK_G = 97u;
+const MOST_FLIGHTS = 98u;
+const MEDIUM = 99u;
+const REFLECTANCES = 100u;
+const LETS_LIGHT_THROUGH = 101u;
+const IS_MATCHED = 102u;
+const ABSORPTION = 103u;
 
 // Intervals of a table over the surface albedo.
 const ALBEDOS = 1024.0;
@@ -58,8 +63,8 @@ fn wrapped(coordinate: f32, wrap: u32) -> f32 {
         return coordinate - floor(coordinate);
     }
     if (wrap == 1u) {
-        let half = 0.5 * coordinate;
-        return 1.0 - abs(2.0 * (half - floor(half)) - 1.0);
+        let halved = 0.5 * coordinate;
+        return 1.0 - abs(2.0 * (halved - floor(halved)) - 1.0);
     }
     return clamp(coordinate, 0.0, 1.0);
 }
@@ -93,83 +98,108 @@ fn textured(texture: f32, uv: vec2f) -> vec4f {
     return mix(above, mix(texel(image, left, below, size.x), texel(image, right, below, size.x), part.x), part.y);
 }
 
-fn color_at(place: u32, point: Point) -> vec3f {
-    var color = table_color(place);
-    if (tables[place + 3u] >= 0.0) {
-        color *= textured(tables[place + 3u], point.uv).rgb;
-    }
-    if (tables[place + 4u] > 0.0) {
-        color *= point.color;
-    }
-    return color;
+// A point of a surface with all that its material states there.
+struct Met {
+    position: vec3f,
+    // Distance by which a ray's origin has to leave the surface to clear rounding errors.
+    offset: f32,
+    // Unit normals on the outside of the mesh, the shading normal as the mesh has it, and bent by a normal map.
+    geometric: vec3f,
+    material: u32,
+    smooth_normal: vec3f,
+    group: u32,
+    normal: vec3f,
+    // Number as a light.
+    light: u32,
+    emission: vec3f,
+    opacity: f32,
+    // Mean free paths of the medium below; 0 in channels whose light leaves too near its entry for positions to resolve.
+    length: vec3f,
+    // The surface over the medium's albedo.
+    surface: Surface,
 }
 
-fn scalar_at(place: u32, point: Point) -> f32 {
-    if (tables[place + 1u] < 0.0) {
-        return tables[place];
-    }
-    return tables[place] * textured(tables[place + 1u], point.uv)[u32(tables[place + 2u])];
-}
-
-fn unit_color_at(place: u32, point: Point) -> vec3f {
-    return clamp(color_at(place, point), vec3f(0.0), vec3f(1.0));
-}
-
-fn unit_at(place: u32, point: Point) -> f32 {
-    return clamp(scalar_at(place, point), 0.0, 1.0);
-}
-
-// Parameters of the surface itself; below it is no light yet.
-fn surface_at(point: Point) -> Surface {
+// Everything at a point: one loop over inputs, for drivers copy what is called into every place.
+fn met_at(triangle: u32, b: vec2f) -> Met {
+    let point = point_at(triangle, b);
     let m = material_at(point.material);
+    var values: array<vec3f, INPUTS>;
+    for (var k = 0u; k < INPUTS; k += 1u) {
+        let place = m + INPUT_WORDS * k;
+        var value = table_color(place);
+        let kind = u32(tables[place + 4u]);
+        if (tables[place + 3u] >= 0.0) {
+            let texel = textured(tables[place + 3u], point.uv);
+            if (kind < 2u) {
+                value *= texel.rgb;
+            } else {
+                value *= texel[kind - 2u];
+            }
+        }
+        if (kind == 1u) {
+            value *= point.color;
+        }
+        values[k] = value;
+    }
+    var met: Met;
+    met.position = point.position;
+    met.offset = point.offset;
+    met.geometric = point.geometric;
+    met.material = point.material;
+    met.smooth_normal = point.shading;
+    met.group = point.group;
+    met.light = point.light;
+    met.normal = bent_normal(point, m, values[NORMAL_MAP]);
+    met.opacity = clamp(values[OPACITY].x, 0.0, 1.0);
+    met.emission = clamp(values[EMISSION_COLOR], vec3f(0.0), vec3f(GREATEST_EMISSION)) * tables[m + EMISSION_LUMINANCE];
     let is_thin = tables[m + THIN_WALLED] > 0.0;
     var p: Surface;
-    p.base_color = unit_color_at(m + BASE_COLOR, point) * tables[m + BASE_WEIGHT];
-    p.metalness = unit_at(m + BASE_METALNESS, point);
-    p.specular_weight = unit_at(m + SPECULAR_WEIGHT, point);
-    p.specular_color = unit_color_at(m + SPECULAR_COLOR, point);
-    p.specular_roughness = unit_at(m + SPECULAR_ROUGHNESS, point);
+    p.base_color = unit(values[BASE_COLOR]) * tables[m + BASE_WEIGHT];
+    p.metalness = unit(values[METALNESS]).x;
+    p.specular_weight = unit(values[SPECULAR_WEIGHT]).x;
+    p.specular_color = unit(values[SPECULAR_COLOR]);
+    p.specular_roughness = unit(values[SPECULAR_ROUGHNESS]).x;
     p.specular_ior = tables[m + SPECULAR_IOR];
-    p.transmission_weight = unit_at(m + TRANSMISSION_WEIGHT, point);
-    p.transmission_tint = vec3f(1.0);
-    if (!(tables[m + TRANSMISSION_DEPTH] > 0.0) || is_thin) {
-        p.transmission_tint = unit_color_at(m + TRANSMISSION_COLOR, point);
+    p.transmission_weight = unit(values[TRANSMISSION_WEIGHT]).x;
+    p.transmission_tint = unit(values[TRANSMISSION_COLOR]);
+    if (tables[m + TRANSMISSION_DEPTH] > 0.0 && !is_thin) {
+        p.transmission_tint = vec3f(1.0);
     }
-    p.subsurface_weight = unit_at(m + SUBSURFACE_WEIGHT, point);
-    p.surface_albedo = vec3f(0.0);
-    p.subsurface_active = vec3f(0.0);
-    p.thin_albedo = vec3f(0.0);
-    p.is_thin = u32(is_thin);
-    p.coat_weight = unit_at(m + COAT_WEIGHT, point);
-    p.coat_color = unit_color_at(m + COAT_COLOR, point);
-    p.coat_roughness = unit_at(m + COAT_ROUGHNESS, point);
+    p.subsurface_weight = unit(values[SUBSURFACE_WEIGHT]).x;
+    p.surface_albedo = unit(values[SUBSURFACE_COLOR]);
+    p.coat_weight = unit(values[COAT_WEIGHT]).x;
+    p.coat_color = unit(values[COAT_COLOR]);
+    p.coat_roughness = unit(values[COAT_ROUGHNESS]).x;
     p.coat_ior = tables[m + COAT_IOR];
+    p.is_thin = u32(is_thin);
     p.tables = u32(tables[m + REFLECTANCES]);
-    return p;
-}
-
-fn opacity_at(point: Point) -> f32 {
-    return unit_at(material_at(point.material) + OPACITY, point);
-}
-
-fn emission_at(point: Point) -> vec3f {
-    let m = material_at(point.material);
-    let luminance = tables[m + EMISSION_LUMINANCE];
-    if (!(luminance > 0.0)) {
-        return vec3f(0.0);
+    if (tables[m + HAS_WALK] > 0.0) {
+        let stated = max(values[RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
+        let table = head(MEDIA) + u32(tables[m + MEDIUM]) + u32(ALBEDOS) + 1u;
+        let length = stated * of_albedos(table, p.surface_albedo);
+        met.length = select(vec3f(0.0), length, length > vec3f(LEAST_OFFSETS_OF_MFP * point.offset));
     }
-    return clamp(color_at(m + EMISSION_COLOR, point), vec3f(0.0), vec3f(GREATEST_EMISSION)) * luminance;
+    p.subsurface_active = select(vec3f(0.0), vec3f(1.0), met.length > vec3f(0.0));
+    if (is_thin) {
+        let g = tables[m + ANISOTROPY];
+        p.thin_albedo = 0.5 * p.surface_albedo * (1.0 + g);
+        p.surface_albedo = 0.5 * p.surface_albedo * (1.0 - g);
+    }
+    met.surface = p;
+    return met;
 }
 
-// The shading normal, bent by the normal map if there is one.
-fn shading_normal_at(point: Point) -> vec3f {
-    let m = material_at(point.material);
-    let map = tables[m + NORMAL_MAP];
-    if (map < 0.0) {
-        return point.shading;
+fn unit(color: vec3f) -> vec3f {
+    return clamp(color, vec3f(0.0), vec3f(1.0));
+}
+
+// The shading normal, bent by a texel of the normal map if there is one.
+fn bent_normal(point: Point, m: u32, texel: vec3f) -> vec3f {
+    let normal = point.shading;
+    if (tables[m + INPUT_WORDS * NORMAL_MAP + 3u] < 0.0) {
+        return normal;
     }
     let at = point.triangle * head(ATTRIBUTE_WORDS) + head(TANGENT);
-    let normal = point.shading;
     var tangent = attribute_color(at);
     tangent -= normal * dot(normal, tangent);
     let squared = dot(tangent, tangent);
@@ -178,12 +208,12 @@ fn shading_normal_at(point: Point) -> vec3f {
     }
     tangent *= inverseSqrt(squared);
     let bitangent = cross(normal, tangent) * attributes[at + 3u];
-    let bent = 2.0 * textured(map, point.uv).rgb - 1.0;
+    let bent = 2.0 * texel - 1.0;
     let scale = tables[m + NORMAL_SCALE];
-    let sum = tangent * (bent.x * scale) + bitangent * (bent.y * scale) + normal * bent.z;
-    let length = dot(sum, sum);
-    if (length > 1e-30 && dot(sum, point.geometric) > 0.0) {
-        return sum * inverseSqrt(length);
+    let summed = tangent * (bent.x * scale) + bitangent * (bent.y * scale) + normal * bent.z;
+    let length = dot(summed, summed);
+    if (length > 1e-30 && dot(summed, point.geometric) > 0.0) {
+        return summed * inverseSqrt(length);
     }
     return normal;
 }
@@ -203,51 +233,42 @@ fn facing(normal: vec3f, geometric: vec3f, view: vec3f) -> vec3f {
     return geometric;
 }
 
-// Value of a medium's table at a surface albedo.
-fn of_albedo(table: u32, albedo: f32) -> f32 {
-    let place = clamp(albedo, 0.0, 1.0) * ALBEDOS;
-    let cell = min(u32(place), u32(ALBEDOS) - 1u);
-    return mix(tables[table + cell], tables[table + cell + 1u], place - f32(cell));
-}
-
-struct Below {
-    surface_albedo: vec3f,
-    // Mean free paths; 0 in channels whose light leaves too near its entry for positions to resolve.
-    length: vec3f,
-}
-
-// The medium below a point.
-fn below_at(point: Point) -> Below {
-    let m = material_at(point.material);
-    var below: Below;
-    below.surface_albedo = unit_color_at(m + SUBSURFACE_COLOR, point);
-    if (!(tables[m + HAS_WALK] > 0.0)) {
-        return below;
-    }
-    let stated = max(color_at(m + SUBSURFACE_RADIUS_SCALE, point), vec3f(0.0)) * max(scalar_at(m + SUBSURFACE_RADIUS, point), 0.0);
-    let table = head(MEDIA) + u32(tables[m + MEDIUM]) + u32(ALBEDOS) + 1u;
-    let albedo = below.surface_albedo;
-    let of_one = vec3f(of_albedo(table, albedo.x), of_albedo(table, albedo.y), of_albedo(table, albedo.z));
-    let length = stated * of_one;
-    below.length = select(vec3f(0.0), length, length > vec3f(LEAST_OFFSETS_OF_MFP * point.offset));
-    return below;
+// Values of a medium's table at surface albedos.
+fn of_albedos(table: u32, albedo: vec3f) -> vec3f {
+    let place = clamp(albedo, vec3f(0.0), vec3f(1.0)) * ALBEDOS;
+    let cell = min(vec3u(place), vec3u(u32(ALBEDOS) - 1u));
+    let at = vec3u(table) + cell;
+    let low = vec3f(tables[at.x], tables[at.y], tables[at.z]);
+    let high = vec3f(tables[at.x + 1u], tables[at.y + 1u], tables[at.z + 1u]);
+    return mix(low, high, place - vec3f(cell));
 }
 
 // Single-scattering albedos of the medium of a material.
 fn single_scattering_albedo(material: u32, albedo: vec3f) -> vec3f {
-    let table = head(MEDIA) + u32(tables[material_at(material) + MEDIUM]);
-    let root = vec3f(of_albedo(table, albedo.x), of_albedo(table, albedo.y), of_albedo(table, albedo.z));
+    let root = of_albedos(head(MEDIA) + u32(tables[material_at(material) + MEDIUM]), albedo);
     return 1.0 - root * root;
 }
 
 // Absorption coefficient of the clear medium that a direction across a surface leads into from one of coefficient `before`.
-fn absorption_behind(point: Point, direction: vec3f, before: vec3f) -> vec3f {
-    let m = material_at(point.material);
+fn absorption_behind(met: ptr<function, Met>, direction: vec3f, before: vec3f) -> vec3f {
+    let m = material_at((*met).material);
     if (tables[m + THIN_WALLED] > 0.0) {
         return before;
     }
-    if (dot(direction, point.geometric) < 0.0) {
+    if (dot(direction, (*met).geometric) < 0.0) {
         return table_color(m + ABSORPTION);
     }
     return vec3f(0.0);
+}
+
+// A ray's origin on the side of the surface that a direction points to.
+fn ray_origin(met: ptr<function, Met>, direction: vec3f) -> vec3f {
+    let is_outside = dot((*met).geometric, direction) >= 0.0;
+    return (*met).position + (*met).geometric * select(-(*met).offset, (*met).offset, is_outside);
+}
+
+// Returns true if paths and shadow rays pass the body below a surface alike.
+fn is_passed_alike(met: ptr<function, Met>, is_soft: bool) -> bool {
+    return (*met).opacity >= 1.0 && (*met).surface.metalness == 0.0
+        && (!is_soft || (*met).surface.transmission_weight == 0.0);
 }

@@ -80,24 +80,3 @@ fn point_at(triangle: u32, b: vec2f) -> Point {
     }
     return point;
 }
-
-// The point of a triangle nearest to a position in its plane.
-fn point_on(triangle: u32, position: vec3f) -> Point {
-    let a = corner(triangle, 0u);
-    let first = corner(triangle, 1u) - a;
-    let second = corner(triangle, 2u) - a;
-    let normal = geometric_normal(triangle);
-    let way = position - a;
-    let area = dot(cross(first, second), normal);
-    var b = vec2f(0.0);
-    if (area > 0.0) {
-        b.x = clamp(dot(cross(way, second), normal) / area, 0.0, 1.0);
-        b.y = clamp(dot(cross(first, way), normal) / area, 0.0, 1.0 - b.x);
-    }
-    return point_at(triangle, b);
-}
-
-// A ray's origin on the side of the surface that a direction points to.
-fn ray_origin(point: Point, direction: vec3f) -> vec3f {
-    return point.position + point.geometric * select(-point.offset, point.offset, dot(point.geometric, direction) >= 0.0);
-}

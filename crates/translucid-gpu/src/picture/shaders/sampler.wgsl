@@ -20,8 +20,8 @@ fn sampler_of(pixel: vec2u, sample: u32) -> Sampler {
 }
 
 // Four numbers in [0, 1): a set of those of a vertex of the path.
-fn stratified(sampler: Sampler, vertex: u32, set: u32) -> vec4f {
-    let seed = hash_combine(sampler.seed, vertex * SETS_PER_VERTEX + set);
+fn stratified(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
+    let seed = hash_combine(sampler.seed, vertex * SETS_PER_VERTEX + number);
     let reversed = owen_scrambled(reverseBits(sampler.index), avalanche(seed ^ 0x79c68e4au));
     var sobol = vec4u(0u);
     let directions = head(SOBOL);

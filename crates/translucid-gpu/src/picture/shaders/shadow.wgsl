@@ -6,30 +6,29 @@ const SHORT_OF_LIGHT = 1e-4;
 const LEAST_LIGHT = 1e-6;
 
 // Sets a light sample out from a point, in the direction of a light at a distance.
-fn send(shadow: ptr<function, Shadow>, point: Point, direction: vec3f, distance: f32) {
-    let origin = ray_origin(point, direction);
+fn send(shadow: ptr<function, Shadow>, met: ptr<function, Met>, direction: vec3f, distance: f32) {
+    let origin = ray_origin(met, direction);
     (*shadow).stage = FREE_SHADOW;
     (*shadow).origin = origin;
     (*shadow).direction = direction;
     (*shadow).t_max = NEVER;
     if (distance < NEVER) {
         // Aimed anew: parallel to the old direction, the ray would meet the light beside the target
-        let way = point.position + direction * distance - origin;
+        let way = (*met).position + direction * distance - origin;
         let whole = length(way);
         (*shadow).direction = way / max(whole, 1e-30);
-        (*shadow).t_max = whole - max(SHORT_OF_LIGHT * whole, point.offset);
+        (*shadow).t_max = max(whole - max(SHORT_OF_LIGHT * whole, (*met).offset), 0.0);
     }
 }
 
-// Radiance of a light sample as it sets out, weighted.
-fn sent(light: LightSample, point: vec3f, weight: f32) -> vec3f {
-    var radiance = light.radiance;
-    if (light.triangle != NO_TRIANGLE) {
-        let place = u32(tables[head(LIGHT_TRIANGLES) + light.triangle]);
-        let there = point_on(place, point + light.direction * light.distance);
-        radiance = emission_at(there) * opacity_at(there);
-    }
-    return min(radiance * min(weight, GREATEST_LIGHT), vec3f(GREATEST_LIGHT));
+// Radiance of a light sample, weighted.
+fn weighed(light: ptr<function, Light>, weight: f32) -> vec3f {
+    return min((*light).radiance * min(weight, GREATEST_LIGHT), vec3f(GREATEST_LIGHT));
+}
+
+// Weight of a light sample whose direction would have been drawn with a density, over its own density.
+fn weight_of(light: ptr<function, Light>, pdf: f32) -> f32 {
+    return select(power_heuristic((*light).pdf, pdf), 1.0, (*light).kind == DELTA) / (*light).pdf;
 }
 
 fn deposit(slot: u32, shadow: ptr<function, Shadow>) {
@@ -50,23 +49,16 @@ fn weaken(shadow: ptr<function, Shadow>, factor: vec3f) {
     }
 }
 
-// Returns true if paths and shadow rays pass the body below a surface alike.
-fn is_passed_alike(point: Point, is_soft: bool) -> bool {
-    let m = material_at(point.material);
-    return opacity_at(point) >= 1.0 && unit_at(m + BASE_METALNESS, point) == 0.0
-        && (!is_soft || unit_at(m + TRANSMISSION_WEIGHT, point) == 0.0);
-}
-
 // What a light sample has met, or nothing.
-fn shadow_step(slot: u32, shadow: ptr<function, Shadow>) {
+fn shadow_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
     if ((*shadow).stage == FREE_SHADOW) {
-        free_step(slot, shadow);
+        free_step(slot, shadow, met);
     } else {
-        body_step(shadow);
+        body_step(shadow, met);
     }
 }
 
-fn free_step(slot: u32, shadow: ptr<function, Shadow>) {
+fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
     let is_hit = (*shadow).hit_triangle != NO_TRIANGLE;
     let way = select((*shadow).t_max, (*shadow).hit_t, is_hit);
     if (light_intersect((*shadow).origin, (*shadow).direction, way, false).is_hit) {
@@ -78,8 +70,7 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>) {
         deposit(slot, shadow);
         return;
     }
-    let triangle = (*shadow).hit_triangle;
-    let m = material_at(material_of(triangle));
+    let m = material_at((*met).material);
     let is_matched = tables[m + IS_MATCHED] > 0.0;
     let is_soft = (*shadow).is_soft != 0u;
     (*shadow).passes += 1u;
@@ -87,79 +78,69 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>) {
         (*shadow).stage = NO_SHADOW;
         return;
     }
-    let point = point_at(triangle, (*shadow).hit);
-    let rest = (*shadow).t_max - (*shadow).hit_t;
+    let rest = select((*shadow).t_max - (*shadow).hit_t, NEVER, (*shadow).t_max >= NEVER);
     let direction = (*shadow).direction;
-    if (is_matched && is_passed_alike(point, is_soft)) {
-        weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
-        enter_body(shadow, point, rest);
+    weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
+    if (is_matched && is_passed_alike(met, is_soft)) {
+        enter_body(shadow, met, rest);
         return;
     }
-    let opacity = opacity_at(point);
-    let p = surface_at(point);
-    var clear = 0.0;
-    if (is_soft) {
-        clear = p.transmission_weight * (1.0 - p.metalness);
-    }
-    weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
+    let p = (*met).surface;
+    var passed = vec3f(1.0 - (*met).opacity);
+    let clear = select(0.0, p.transmission_weight * (1.0 - p.metalness), is_soft);
     if (clear > 0.0) {
-        (*shadow).absorption = absorption_behind(point, direction, (*shadow).absorption);
+        (*shadow).absorption = absorption_behind(met, direction, (*shadow).absorption);
+        let cosine = abs(dot(direction, (*met).smooth_normal));
+        passed += straight_transmittance(p, cosine) * ((*met).opacity * clear);
     }
-    let cosine = abs(dot(direction, point.shading));
-    let passed = straight_transmittance(p, cosine) * (opacity * clear);
-    weaken(shadow, vec3f(1.0 - opacity) + passed);
-    (*shadow).origin = ray_origin(point, direction);
-    (*shadow).t_max = select(rest, NEVER, (*shadow).t_max >= NEVER);
+    weaken(shadow, passed);
+    (*shadow).origin = ray_origin(met, direction);
+    (*shadow).t_max = rest;
 }
 
 // Begins the way through a body of a light that nothing scatters there.
-fn enter_body(shadow: ptr<function, Shadow>, point: Point, rest: f32) {
+fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32) {
     let direction = (*shadow).direction;
-    let below = below_at(point);
-    let side = select(1.0, -1.0, dot(direction, point.geometric) > 0.0);
-    let normal = point.geometric * side;
+    let side = select(1.0, -1.0, dot(direction, (*met).geometric) > 0.0);
+    let normal = (*met).geometric * side;
     let cosine = -dot(direction, normal);
-    if (!(greatest(below.length) > 0.0) || !(cosine > 0.0)) {
+    if (!(greatest((*met).length) > 0.0) || !(cosine > 0.0)) {
         (*shadow).stage = NO_SHADOW;
         return;
     }
-    let scatters = below.length > vec3f(0.0);
-    var p = surface_at(point);
-    p.surface_albedo = below.surface_albedo;
-    p.subsurface_active = select(vec3f(0.0), vec3f(1.0), scatters);
+    let scatters = (*met).length > vec3f(0.0);
+    var p = (*met).surface;
     if ((*shadow).is_soft != 0u) {
         p = surface_seen_softly(p);
     }
-    let frame = frame_of(shading_normal_at(point));
-    weaken(shadow, share_below(p, to_local(frame, -direction)));
+    let bsdf = bsdf_new(p, to_local(frame_of((*met).normal), -direction));
+    weaken(shadow, select(vec3f(0.0), bsdf.below, bsdf.choose_below > 0.0 && !bsdf.is_thin));
     if ((*shadow).stage == NO_SHADOW) {
         return;
     }
-    let skipped = point.offset / max(cosine, 0.1);
-    (*shadow).origin = point.position + direction * skipped - normal * (point.offset - skipped * cosine);
+    let skipped = (*met).offset / max(cosine, 0.1);
+    (*shadow).origin = (*met).position + direction * skipped - normal * ((*met).offset - skipped * cosine);
     (*shadow).stage = BODY_SHADOW;
-    (*shadow).sigma_t = select(vec3f(NEVER), 1.0 / below.length, scatters);
+    (*shadow).sigma_t = select(vec3f(NEVER), 1.0 / max((*met).length, vec3f(1e-30)), scatters);
     (*shadow).share = vec3f(0.0);
     (*shadow).nesting = 1u;
-    (*shadow).group = point.group;
+    (*shadow).group = (*met).group;
     (*shadow).side = side;
-    (*shadow).offset = point.offset;
+    (*shadow).offset = (*met).offset;
     (*shadow).done = 0.0;
     // Beyond, the last channel is dark
-    (*shadow).length = min(rest, 14.0 * greatest(below.length));
+    (*shadow).length = min(rest, 14.0 * greatest((*met).length));
     (*shadow).light_distance = rest;
 }
 
-// A flight's surface, or nothing, as `walk_step` has it.
-fn body_step(shadow: ptr<function, Shadow>) {
+// A flight's surface, or nothing, as `flight_step` has it.
+fn body_step(shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
     if ((*shadow).hit_triangle == NO_TRIANGLE) {
         (*shadow).stage = NO_SHADOW;
         return;
     }
-    let triangle = (*shadow).hit_triangle;
     let distance = (*shadow).done + (*shadow).hit_t;
-    let normal = geometric_normal(triangle) * (*shadow).side;
-    let leaves = dot((*shadow).direction, normal) > 0.0;
+    let leaves = dot((*shadow).direction, (*met).geometric) * (*shadow).side > 0.0;
     (*shadow).passes += 1u;
     if (leaves && (*shadow).nesting <= 1u) {
         // The body does not see lights inside
@@ -167,7 +148,7 @@ fn body_step(shadow: ptr<function, Shadow>) {
             (*shadow).stage = NO_SHADOW;
             return;
         }
-        leave_with_light(shadow, triangle, distance);
+        leave_with_light(shadow, met, distance);
         return;
     }
     if (distance > (*shadow).length || (*shadow).passes >= MOST_PASSES) {
@@ -178,7 +159,7 @@ fn body_step(shadow: ptr<function, Shadow>) {
     (*shadow).done = distance + (*shadow).offset;
 }
 
-fn leave_with_light(shadow: ptr<function, Shadow>, triangle: u32, distance: f32) {
+fn leave_with_light(shadow: ptr<function, Shadow>, met: ptr<function, Met>, distance: f32) {
     let sigma = (*shadow).sigma_t;
     var attenuation = exp(-min(sigma * distance, vec3f(80.0)));
     attenuation = select(attenuation, vec3f(0.0), sigma * distance > vec3f(80.0));
@@ -188,23 +169,15 @@ fn leave_with_light(shadow: ptr<function, Shadow>, triangle: u32, distance: f32)
         let chance = dot(drawn, exp(-min(0.5 * sigma * distance, vec3f(80.0))));
         attenuation /= max(chance, 1e-30);
     }
-    let point = point_at(triangle, (*shadow).hit);
     let direction = (*shadow).direction;
-    weaken(shadow, attenuation * entering(point, direction, (*shadow).side));
+    weaken(shadow, attenuation * entering(met, direction, (*shadow).side));
     if ((*shadow).stage != NO_SHADOW) {
         let rest = select((*shadow).light_distance - distance, NEVER, (*shadow).light_distance >= NEVER);
-        send(shadow, point, direction, rest);
+        send(shadow, met, direction, rest);
     }
 }
 
-// Share of light that comes from below, seen from a direction.
-fn share_below(p: Surface, wo: vec3f) -> vec3f {
-    let bsdf = bsdf_new(p, wo);
-    return select(vec3f(0.0), bsdf.below, bsdf.choose_below > 0.0 && !bsdf.is_thin);
-}
-
 // Factor of a surface on a radiance that enters from a direction.
-fn entering(point: Point, direction: vec3f, side: f32) -> vec3f {
-    let normal = shading_normal_at(point) * side;
-    return entry_weight(surface_at(point), clamp(dot(direction, normal), 0.0, 1.0));
+fn entering(met: ptr<function, Met>, direction: vec3f, side: f32) -> vec3f {
+    return entry_weight((*met).surface, clamp(dot(direction, (*met).normal) * side, 0.0, 1.0));
 }

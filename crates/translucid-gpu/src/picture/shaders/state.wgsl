@@ -1,12 +1,16 @@
 // Paths under way, one for each slot, and the lists of slots by the work that they wait for.
 
 // What a slot waits for.
-const IDLE = 0u;       // a sample
-const FREE_RAY = 1u;   // its ray outside of bodies to be followed
-const FREE_HIT = 2u;   // the surface that the ray has met
-const WALK_RAY = 3u;   // a flight through a body to be followed
-const WALK_HIT = 4u;   // the end of the flight
-const ENDED = 5u;      // its light samples alone
+const IDLE = 0u;        // a sample
+const FREE_RAY = 1u;    // its ray outside of bodies to be followed
+const FREE_HIT = 2u;    // what the ray has met
+const WALK_RAY = 3u;    // a flight through a body to be followed
+const WALK_HIT = 4u;    // where the flight has ended
+const WALK_END = 5u;    // the body's end there
+const AT_SURFACE = 6u;  // a surface to scatter it
+const COLLIDED = 7u;    // a medium to scatter it
+const AT_MATTE_END = 8u; // to go on where light enters a matte surface
+const ENDED = 9u;       // its light sample alone
 
 // Layer of the picture that a path brings light to.
 const OF_EMISSION = 0u;
@@ -16,6 +20,7 @@ const OF_SUBSURFACE = 2u;
 // Flags of a path.
 const HAS_MET = 1u;    // a surface that the camera sees
 const SOFT = 2u;       // it has left a matte surface, and there are no caustics
+const IS_FIRST = 4u;   // the surface at hand is the first that the camera sees
 
 // Stages of a light sample.
 const NO_SHADOW = 0u;
@@ -52,7 +57,7 @@ struct Path {
 
 // A walk: from flight to flight through the body below the surface that the path has met.
 struct Walk {
-    from: vec3f,
+    start: vec3f,
     // Closed meshes of the group that it is in.
     nesting: u32,
     direction: vec3f,
@@ -116,11 +121,33 @@ struct Found {
     normal: vec3f,
 }
 
+// A light sample for a point with a normal, or 0: all directions count.
+struct Light {
+    direction: vec3f,
+    distance: f32,
+    radiance: vec3f,
+    pdf: f32,
+    point: vec3f,
+    // One more number.
+    random: f32,
+    normal: vec3f,
+    // Neither, usable, or also a delta light's.
+    kind: u32,
+}
+
+const NO_LIGHT = 0u;
+const USABLE = 1u;
+const DELTA = 2u;
+
 struct Slot {
     path: Path,
     walk: Walk,
     shadow: Shadow,
     found: Found,
+    light: Light,
+    met: Met,
+    // Where the light sample is.
+    shadow_met: Met,
 }
 
 @group(0) @binding(6) var<storage, read_write> slots: array<Slot>;
@@ -135,10 +162,12 @@ const DONE_ITEMS = 1u;
 // Lists, which are empty at the start of a round.
 const RAYS = 2u;
 const SHADOWS = 3u;
-const SURFACES = 4u;
-const WALKS = 5u;
+const FLIGHTS = 4u;
+const POINTS = 5u;
 const SHADOW_HITS = 6u;
-const COUNTERS = 8u;
+const LIGHT_REQUESTS = 7u;
+const SCATTERS = 8u;
+const COUNTERS = 9u;
 
 fn enqueue(list: u32, slot: u32) {
     let place = atomicAdd(&queues[list], 1u);
@@ -189,21 +218,13 @@ fn scatter(path: ptr<function, Path>, layer: u32, share: vec3f, origin: vec3f, d
 }
 
 // Goes on behind a surface in the same direction.
-fn pass_surface(path: ptr<function, Path>, point: Point, transmittance: vec3f) {
+fn pass_surface(path: ptr<function, Path>, met: ptr<function, Met>, transmittance: vec3f) {
     (*path).throughput *= transmittance;
-    (*path).origin = ray_origin(point, (*path).direction);
+    (*path).origin = ray_origin(met, (*path).direction);
     (*path).passes += 1u;
     (*path).work = select(FREE_RAY, ENDED, is_zero((*path).throughput) || (*path).passes >= MOST_PASSES);
 }
 
 fn is_of_camera(path: ptr<function, Path>) -> bool {
     return (*path).depth == 0u && ((*path).flags & HAS_MET) == 0u;
-}
-
-// Weight of light that a path has met, given the density with which lights are sampled for it.
-fn weight_beside(path: ptr<function, Path>, light_pdf: f32) -> f32 {
-    if ((*path).mis_pdf >= NEVER) {
-        return 1.0;
-    }
-    return power_heuristic((*path).mis_pdf, light_pdf);
 }

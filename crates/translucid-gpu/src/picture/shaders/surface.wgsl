@@ -495,6 +495,15 @@ fn split_at_facet(b: ptr<function, Bsdf>, cosine: f32) -> FacetSplit {
 
 // Chooses where light comes from; `choice` and `u` are uniform in [0, 1).
 fn bsdf_sample(b: ptr<function, Bsdf>, choice: f32, u: vec2f) -> BsdfSample {
+    let chosen = bsdf_choose(b, choice, u);
+    if (chosen.kind != DIRECTION || chosen.lobe == MIRROR) {
+        return chosen;
+    }
+    return bsdf_weighed(chosen, bsdf_eval(b, chosen.wi));
+}
+
+// The choice alone: the weight of a direction that is no mirror's is that of all lobes there, see `bsdf_weighed`.
+fn bsdf_choose(b: ptr<function, Bsdf>, choice: f32, u: vec2f) -> BsdfSample {
     var left = choice;
     if (left < (*b).choose_below) {
         var sample = BsdfSample();
@@ -504,7 +513,7 @@ fn bsdf_sample(b: ptr<function, Bsdf>, choice: f32, u: vec2f) -> BsdfSample {
     }
     left -= (*b).choose_below;
     if (left < (*b).choose_diffuse) {
-        return finished(b, sample_cosine(u), DIFFUSE);
+        return toward(b, sample_cosine(u), DIFFUSE);
     }
     left -= (*b).choose_diffuse;
     if (left < (*b).choose_coat) {
@@ -517,7 +526,7 @@ fn bsdf_sample(b: ptr<function, Bsdf>, choice: f32, u: vec2f) -> BsdfSample {
     left -= (*b).choose_straight;
     if (left < (*b).choose_through) {
         let wi = sample_cosine(u);
-        return finished(b, vec3f(wi.xy, -wi.z), DIFFUSE);
+        return toward(b, vec3f(wi.xy, -wi.z), DIFFUSE);
     }
     left -= (*b).choose_through;
     if ((*b).choose_facets > 0.0) {
@@ -538,7 +547,7 @@ fn sample_coat(b: ptr<function, Bsdf>, u: vec2f) -> BsdfSample {
     if (wi.z <= 0.0) {
         return BsdfSample();
     }
-    return finished(b, wi, GLOSSY);
+    return toward(b, wi, GLOSSY);
 }
 
 fn sample_straight(b: ptr<function, Bsdf>, u: vec2f) -> BsdfSample {
@@ -548,7 +557,7 @@ fn sample_straight(b: ptr<function, Bsdf>, u: vec2f) -> BsdfSample {
         if (wi.z <= 0.0) {
             return BsdfSample();
         }
-        return finished(b, vec3f(wi.xy, -wi.z), GLOSSY);
+        return toward(b, vec3f(wi.xy, -wi.z), GLOSSY);
     }
     return mirror_sample(b, -wo, (*b).glass_transmission * ((*b).coat_transmittance / (*b).choose_straight));
 }
@@ -582,7 +591,7 @@ fn sample_facets(b: ptr<function, Bsdf>, choice: f32, u: vec2f) -> BsdfSample {
     if ((wi.z > 0.0) != is_reflected) {
         return BsdfSample();
     }
-    return finished(b, wi, GLOSSY);
+    return toward(b, wi, GLOSSY);
 }
 
 // A sample of a mirror lobe; `wi` on the side of `wo`.
@@ -591,15 +600,22 @@ fn mirror_sample(b: ptr<function, Bsdf>, wi: vec3f, weight: vec3f) -> BsdfSample
     return BsdfSample(DIRECTION, direction, weight, vec3f(0.0), 0.0, MIRROR, wi.z < 0.0);
 }
 
-// A sample in a direction on the side of `wo`, weighted by all lobes that reach it.
-fn finished(b: ptr<function, Bsdf>, toward: vec3f, lobe: u32) -> BsdfSample {
-    let wi = normalize(toward);
-    let value = eval_on_side(b, wi);
+// A direction on the side of `wo`, without its weight.
+fn toward(b: ptr<function, Bsdf>, local: vec3f, lobe: u32) -> BsdfSample {
+    let wi = normalize(local);
+    let direction = vec3f(wi.xy, wi.z * (*b).side);
+    return BsdfSample(DIRECTION, direction, vec3f(0.0), vec3f(0.0), 0.0, lobe, wi.z < 0.0);
+}
+
+// A choice with the value and density of all lobes in its direction.
+fn bsdf_weighed(chosen: BsdfSample, value: BsdfValue) -> BsdfSample {
     if (value.pdf <= 0.0) {
         return BsdfSample();
     }
+    var sample = chosen;
     let f = value.diffuse + value.specular;
-    let diffuse_share = select(vec3f(0.0), value.diffuse / max(f, vec3f(1e-37)), f > vec3f(0.0));
-    let direction = vec3f(wi.xy, wi.z * (*b).side);
-    return BsdfSample(DIRECTION, direction, f / value.pdf, diffuse_share, value.pdf, lobe, wi.z < 0.0);
+    sample.weight = f / value.pdf;
+    sample.diffuse_share = select(vec3f(0.0), value.diffuse / max(f, vec3f(1e-37)), f > vec3f(0.0));
+    sample.pdf = value.pdf;
+    return sample;
 }

@@ -4,166 +4,107 @@
 // Scattering events after which paths of little throughput are ended at random.
 const ROULETTE_AFTER = 3u;
 
-fn surface_step(slot: u32) {
-    var path = slots[slot].path;
-    var found = slots[slot].found;
-    var shadow = slots[slot].shadow;
-    path.vertex += 1u;
-    let is_hit = path.hit_triangle != NO_TRIANGLE;
-    let t_max = select(NEVER, path.hit_t, is_hit);
-    let of_camera = is_of_camera(&path);
-    let light = light_intersect(path.origin, path.direction, t_max, of_camera);
-    if (light.is_hit) {
-        let weight = weight_beside(&path, light_hit_pdf(light, path.mis_point, path.mis_normal));
-        if (of_camera) {
-            found.alpha = 1.0;
-        }
-        add_light(&path, &found, light.radiance * absorbed(path.absorption, light.t) * weight);
-        path.work = ENDED;
-    } else if (!is_hit) {
-        add_environment(&path, &found, of_camera);
-        path.work = ENDED;
-    } else {
-        path.throughput *= absorbed(path.absorption, path.hit_t);
-        interact(slot, &path, &found, &shadow, point_at(path.hit_triangle, path.hit));
-    }
-    slots[slot].path = path;
-    slots[slot].found = found;
-    slots[slot].shadow = shadow;
-}
-
-fn add_environment(path: ptr<function, Path>, found: ptr<function, Found>, of_camera: bool) {
-    let direction = (*path).direction;
-    if (of_camera && !environment_is_visible()) {
-        return;
-    }
-    var radiance: vec3f;
-    if (of_camera) {
-        radiance = background_radiance(direction);
-        (*found).alpha = 1.0;
-    } else {
-        radiance = environment_radiance(direction);
-    }
-    var weight = 1.0;
+// What the ray has met: light, or a surface that it passes, or one that is to scatter it.
+fn meet(path: ptr<function, Path>, found: ptr<function, Found>, met: ptr<function, Met>, light: ptr<function, Light>) {
+    (*path).vertex += 1u;
+    (*path).work = ENDED;
+    let is_hit = (*path).hit_triangle != NO_TRIANGLE;
+    let of_camera = is_of_camera(path);
+    let seen = light_intersect((*path).origin, (*path).direction, select(NEVER, (*path).hit_t, is_hit), of_camera);
+    var radiance = vec3f(0.0);
+    // Density with which lights are sampled for what it has met
+    var pdf = 0.0;
+    var odds = LightOdds(0.0, 0.0);
     if ((*path).mis_pdf < NEVER) {
-        weight = power_heuristic((*path).mis_pdf, environment_pdf((*path).mis_point, (*path).mis_normal, direction));
+        odds = light_odds((*path).mis_point, (*path).mis_normal);
     }
+    if (seen.is_hit) {
+        radiance = seen.radiance * absorbed((*path).absorption, seen.t);
+        pdf = light_hit_pdf(odds, seen, (*path).mis_point);
+    } else if (!is_hit) {
+        if (of_camera && !environment_is_visible()) {
+            return;
+        }
+        if (of_camera) {
+            radiance = background_radiance((*path).direction);
+        } else {
+            radiance = environment_radiance((*path).direction);
+        }
+        pdf = environment_pdf(odds, (*path).mis_normal, (*path).direction);
+    } else {
+        (*path).throughput *= absorbed((*path).absorption, (*path).hit_t);
+        let is_hidden = tables[material_at((*met).material) + HIDDEN_FROM_CAMERA] > 0.0 && of_camera;
+        if (!is_hidden && dot((*path).direction, (*met).geometric) < 0.0 && greatest((*met).emission) > 0.0) {
+            radiance = (*met).emission * (*met).opacity;
+            if ((*met).light != NO_TRIANGLE) {
+                pdf = emissive_triangle_pdf(odds, (*met).light, (*path).mis_point, (*met).position);
+            }
+        }
+    }
+    let weight = select(1.0, power_heuristic((*path).mis_pdf, pdf), (*path).mis_pdf < NEVER);
     add_light(path, found, radiance * weight);
-}
-
-fn interact(slot: u32, path: ptr<function, Path>, found: ptr<function, Found>, shadow: ptr<function, Shadow>, point: Point) {
-    let m = material_at(point.material);
-    let u = stratified((*path).sampler, (*path).vertex, 0u);
-    let is_hidden = tables[m + HIDDEN_FROM_CAMERA] > 0.0 && is_of_camera(path);
-    let opacity = opacity_at(point);
-    if (!is_hidden) {
-        add_emission(path, found, point, opacity);
-    }
-    if (is_hidden || opacity < 1.0 && u.w >= opacity) {
-        pass_surface(path, point, vec3f(1.0));
+    if (seen.is_hit || !is_hit) {
+        (*found).alpha = select((*found).alpha, 1.0, of_camera);
         return;
     }
-    var p = surface_at(point);
-    let is_soft = ((*path).flags & SOFT) != 0u;
+    arrive(path, found, met, light, of_camera);
+}
+
+// At a surface: passed, or to scatter the path beside a light sample.
+fn arrive(
+    path: ptr<function, Path>,
+    found: ptr<function, Found>,
+    met: ptr<function, Met>,
+    light: ptr<function, Light>,
+    of_camera: bool,
+) {
+    let m = material_at((*met).material);
+    let p = (*met).surface;
+    let u = stratified((*path).sampler, (*path).vertex, 0u);
+    let is_hidden = tables[m + HIDDEN_FROM_CAMERA] > 0.0 && of_camera;
     let clear = p.transmission_weight * (1.0 - p.metalness);
-    if (is_soft && clear > 0.0 && u.z < clear) {
-        (*path).absorption = absorption_behind(point, (*path).direction, (*path).absorption);
-        pass_surface(path, point, straight_transmittance(p, abs(dot((*path).direction, point.shading))));
+    if (is_hidden || (*met).opacity < 1.0 && u.w >= (*met).opacity) {
+        pass_surface(path, met, vec3f(1.0));
         return;
     }
     let incoming = (*path).direction;
-    let normal = facing(shading_normal_at(point), point.geometric, -incoming);
-    let frame = frame_of(normal);
-    let has_caustics = head(CAUSTICS) > 0u;
-    let is_matte = p.metalness < 1.0 && p.transmission_weight < 1.0;
-    let light_is_soft = is_soft || (is_matte && !has_caustics);
-    let is_thin = tables[m + THIN_WALLED] > 0.0;
-    let can_be_passed = tables[m + IS_MATCHED] > 0.0;
-    let is_spent = (*path).depth >= head(MAX_DEPTH);
-
-    // The surface as the path sees it
-    let below = below_at(point);
-    p.surface_albedo = below.surface_albedo;
-    p.subsurface_active = select(vec3f(0.0), vec3f(1.0), below.length > vec3f(0.0));
-    if (is_thin) {
-        let g = tables[m + SUBSURFACE_ANISOTROPY];
-        p.thin_albedo = 0.5 * p.surface_albedo * (1.0 + g);
-        p.surface_albedo = 0.5 * p.surface_albedo * (1.0 - g);
+    if (((*path).flags & SOFT) != 0u && clear > 0.0 && u.z < clear) {
+        (*path).absorption = absorption_behind(met, incoming, (*path).absorption);
+        pass_surface(path, met, straight_transmittance(p, abs(dot(incoming, (*met).smooth_normal))));
+        return;
     }
-    if (is_soft) {
-        p = surface_seen_softly(p);
-    }
-    if ((*path).diffuse_depth >= head(MAX_DIFFUSE_DEPTH)) {
-        if (can_be_passed && p.metalness == 0.0) {
-            p = surface_without_matte(p);
-        } else {
-            p = surface_without_diffuse(p);
-        }
-    }
-    var bsdf = bsdf_new(p, to_local(frame, -incoming));
-    if ((*path).depth == 0u && (*found).alpha == 0.0) {
-        (*path).flags |= HAS_MET;
+    let normal = facing((*met).normal, (*met).geometric, -incoming);
+    if ((*path).depth == 0u && ((*path).flags & HAS_MET) == 0u) {
+        (*path).flags |= HAS_MET | IS_FIRST;
         (*found).alpha = 1.0;
-        (*found).albedo = bsdf.albedo;
         (*found).normal = normal;
-        (*found).depth = distance(point.position, (*path).mis_point);
+        (*found).depth = distance((*met).position, (*path).mis_point);
     }
-    if ((is_spent && !can_be_passed) || !survives(path, u.y)) {
-        (*path).work = ENDED;
+    let is_spent = (*path).depth >= head(MAX_DEPTH);
+    if (is_spent && !(tables[m + IS_MATCHED] > 0.0) || !survives(path, u.y)) {
         return;
     }
-
-    var light_normal = select(normal, -normal, dot(incoming, normal) > 0.0);
-    let is_lit_from_behind = is_thin && tables[m + SUBSURFACE_WEIGHT] > 0.0;
-    if (tables[m + TRANSMISSION_WEIGHT] > 0.0 || is_lit_from_behind) {
-        light_normal = vec3f(0.0);
+    (*path).work = AT_SURFACE;
+    (*light).kind = NO_LIGHT;
+    if (!is_spent) {
+        request_light(light, (*met).position, light_normal(met, m, normal, incoming));
     }
-    if (!is_spent && !bsdf_is_smooth_only(&bsdf)) {
-        let u_light = stratified((*path).sampler, (*path).vertex, 1u);
-        add_direct_light(path, shadow, point, normal, light_normal, frame, &bsdf, light_is_soft, u_light);
-    }
-    let v = stratified((*path).sampler, (*path).vertex, 2u);
-    let drawn = bsdf_sample(&bsdf, v.x, v.yz);
-    if (drawn.kind == BELOW) {
-        (*path).throughput *= drawn.weight;
-        begin_walk(slot, path, point, normal, below);
-        return;
-    }
-    if (drawn.kind == NOTHING || is_spent) {
-        (*path).work = ENDED;
-        return;
-    }
-    let direction = normalize(frame * drawn.wi);
-    let to = dot(direction, point.geometric);
-    // The shading normal promised one side, the geometry has another: such light cannot be
-    if ((-dot(incoming, point.geometric) * to < 0.0) != drawn.is_transmitted) {
-        (*path).work = ENDED;
-        return;
-    }
-    if (drawn.is_transmitted) {
-        (*path).absorption = absorption_behind(point, direction, (*path).absorption);
-    }
-    (*path).diffuse_depth += u32(drawn.lobe == DIFFUSE);
-    if (light_is_soft && drawn.pdf > 0.0) {
-        (*path).flags |= SOFT;
-    }
-    (*path).mis_point = point.position;
-    (*path).mis_normal = light_normal;
-    (*path).mis_pdf = select(NEVER, min(drawn.pdf, 0.5 * NEVER), drawn.pdf > 0.0);
-    scatter(path, OF_SURFACE, drawn.diffuse_share, ray_origin(point, direction), direction, drawn.weight);
 }
 
-fn add_emission(path: ptr<function, Path>, found: ptr<function, Found>, point: Point, opacity: f32) {
-    let m = material_at(point.material);
-    if (!(tables[m + EMISSION_LUMINANCE] > 0.0) || dot((*path).direction, point.geometric) >= 0.0) {
-        return;
+// The normal that light selection may rely on: 0 where light from both sides counts.
+fn light_normal(met: ptr<function, Met>, m: u32, normal: vec3f, incoming: vec3f) -> vec3f {
+    let p = (*met).surface;
+    let is_lit_from_behind = p.is_thin != 0u && tables[m + INPUT_WORDS * SUBSURFACE_WEIGHT] > 0.0;
+    if (tables[m + INPUT_WORDS * TRANSMISSION_WEIGHT] > 0.0 || is_lit_from_behind) {
+        return vec3f(0.0);
     }
-    var weight = 1.0;
-    if ((*path).mis_pdf < NEVER && point.light != NO_TRIANGLE) {
-        let pdf = emissive_triangle_pdf(point.light, (*path).mis_point, (*path).mis_normal, point.position, point.geometric);
-        weight = power_heuristic((*path).mis_pdf, pdf);
-    }
-    add_light(path, found, emission_at(point) * (opacity * weight));
+    return select(normal, -normal, dot(incoming, normal) > 0.0);
+}
+
+fn request_light(light: ptr<function, Light>, point: vec3f, normal: vec3f) {
+    (*light).kind = USABLE;
+    (*light).point = point;
+    (*light).normal = normal;
 }
 
 // Plays Russian roulette with the throughput; the weight of refraction is that of basic radiance, so no index counts.
@@ -179,54 +120,120 @@ fn survives(path: ptr<function, Path>, u: f32) -> bool {
     return true;
 }
 
-// Sends light from one sampled light, reflected or transmitted by a surface.
-fn add_direct_light(
+// Scatters the path at a surface, and sends the light sample from there.
+fn scatter_at_surface(
+    slot: u32,
     path: ptr<function, Path>,
+    found: ptr<function, Found>,
+    met: ptr<function, Met>,
+    light: ptr<function, Light>,
     shadow: ptr<function, Shadow>,
-    point: Point,
-    normal: vec3f,
-    light_normal: vec3f,
-    frame: mat3x3f,
-    bsdf: ptr<function, Bsdf>,
-    is_soft: bool,
-    u: vec4f,
 ) {
-    let light = light_sample(point.position, light_normal, u.x, u.yz);
-    if (!light.is_usable) {
-        return;
-    }
-    let value = bsdf_eval(bsdf, to_local(frame, light.direction));
+    (*path).work = ENDED;
+    let m = material_at((*met).material);
     let incoming = (*path).direction;
-    let same_side = -dot(incoming, point.geometric) * dot(light.direction, point.geometric) > 0.0;
-    let shading_side = -dot(incoming, normal) * dot(light.direction, normal) > 0.0;
-    if (same_side != shading_side || is_zero(value.diffuse + value.specular)) {
+    let normal = facing((*met).normal, (*met).geometric, -incoming);
+    let frame = frame_of(normal);
+    let is_soft = ((*path).flags & SOFT) != 0u;
+    let is_spent = (*path).depth >= head(MAX_DEPTH);
+    var p = (*met).surface;
+    let is_matte = p.metalness < 1.0 && p.transmission_weight < 1.0;
+    let light_is_soft = is_soft || (is_matte && head(CAUSTICS) == 0u);
+    if (is_soft) {
+        p = surface_seen_softly(p);
+    }
+    if ((*path).diffuse_depth >= head(MAX_DIFFUSE_DEPTH)) {
+        if (tables[m + IS_MATCHED] > 0.0 && p.metalness == 0.0) {
+            p = surface_without_matte(p);
+        } else {
+            p = surface_without_diffuse(p);
+        }
+    }
+    var bsdf = bsdf_new(p, to_local(frame, -incoming));
+    if (((*path).flags & IS_FIRST) != 0u) {
+        (*path).flags &= ~IS_FIRST;
+        (*found).albedo = bsdf.albedo;
+    }
+    let v = stratified((*path).sampler, (*path).vertex, 2u);
+    var chosen = bsdf_choose(&bsdf, v.x, v.yz);
+    let has_light = (*light).kind != NO_LIGHT && !bsdf_is_smooth_only(&bsdf);
+    let is_drawn = chosen.kind == DIRECTION && chosen.lobe != MIRROR;
+    // One evaluation for the light sample, and one for the direction that was drawn
+    for (var k = 0u; k < 2u; k += 1u) {
+        if (!select(is_drawn, has_light, k == 0u)) {
+            continue;
+        }
+        var wi = chosen.wi;
+        if (k == 0u) {
+            wi = to_local(frame, (*light).direction);
+        }
+        let value = bsdf_eval(&bsdf, wi);
+        if (k == 0u) {
+            send_from_surface(path, met, light, shadow, normal, value, light_is_soft);
+        } else {
+            chosen = bsdf_weighed(chosen, value);
+        }
+    }
+    if (chosen.kind == BELOW) {
+        (*path).throughput *= chosen.weight;
+        begin_walk(slot, path, met, normal);
         return;
     }
-    let mis = select(power_heuristic(light.pdf, value.pdf), 1.0, light.is_delta);
-    let received = sent(light, point.position, mis / light.pdf) * (*path).throughput;
-    if (is_zero(received)) {
+    if (chosen.kind == NOTHING || is_spent) {
+        return;
+    }
+    let direction = normalize(frame * chosen.wi);
+    // The shading normal promised one side, the geometry has another: such light cannot be
+    if ((-dot(incoming, (*met).geometric) * dot(direction, (*met).geometric) < 0.0) != chosen.is_transmitted) {
+        return;
+    }
+    if (chosen.is_transmitted) {
+        (*path).absorption = absorption_behind(met, direction, (*path).absorption);
+    }
+    (*path).diffuse_depth += u32(chosen.lobe == DIFFUSE);
+    if (light_is_soft && chosen.pdf > 0.0) {
+        (*path).flags |= SOFT;
+    }
+    (*path).mis_point = (*met).position;
+    (*path).mis_normal = light_normal(met, m, normal, incoming);
+    (*path).mis_pdf = select(NEVER, min(chosen.pdf, 0.5 * NEVER), chosen.pdf > 0.0);
+    scatter(path, OF_SURFACE, chosen.diffuse_share, ray_origin(met, direction), direction, chosen.weight);
+}
+
+// Sends a light sample, reflected or transmitted by a surface.
+fn send_from_surface(
+    path: ptr<function, Path>,
+    met: ptr<function, Met>,
+    light: ptr<function, Light>,
+    shadow: ptr<function, Shadow>,
+    normal: vec3f,
+    value: BsdfValue,
+    is_soft: bool,
+) {
+    let incoming = (*path).direction;
+    let direction = (*light).direction;
+    let same_side = -dot(incoming, (*met).geometric) * dot(direction, (*met).geometric) > 0.0;
+    let shading_side = -dot(incoming, normal) * dot(direction, normal) > 0.0;
+    let received = weighed(light, weight_of(light, value.pdf)) * (*path).throughput;
+    let all = value.diffuse + value.specular;
+    if (same_side != shading_side || is_zero(received * all)) {
         return;
     }
     (*shadow).is_subsurface = u32((*path).layer == OF_SUBSURFACE);
     (*shadow).matte = received * value.diffuse;
     (*shadow).specular = received * value.specular;
-    if ((*path).layer != OF_EMISSION) {
-        let all = received * (value.diffuse + value.specular);
-        (*shadow).matte = all;
+    if ((*path).layer == OF_SUBSURFACE) {
+        (*shadow).matte = received * all;
         (*shadow).specular = vec3f(0.0);
-        if ((*path).layer == OF_SURFACE) {
-            (*shadow).matte = all * (*path).diffuse_share;
-            (*shadow).specular = all * (1.0 - (*path).diffuse_share);
-        }
+    } else if ((*path).layer == OF_SURFACE) {
+        (*shadow).matte = received * all * (*path).diffuse_share;
+        (*shadow).specular = received * all * (1.0 - (*path).diffuse_share);
     }
     (*shadow).absorption = (*path).absorption;
     if (!same_side) {
-        (*shadow).absorption = absorption_behind(point, light.direction, (*path).absorption);
+        (*shadow).absorption = absorption_behind(met, direction, (*path).absorption);
     }
     (*shadow).is_soft = u32(is_soft);
     (*shadow).passes = 0u;
-    send(shadow, point, light.direction, light.distance);
-    if ((*shadow).t_max <= 0.0) {
-        (*shadow).t_max = 0.0;
-    }
+    send(shadow, met, direction, (*light).distance);
 }

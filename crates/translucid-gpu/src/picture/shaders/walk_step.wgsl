@@ -22,11 +22,11 @@ fn walk_numbers(path: ptr<function, Path>, number: u32) -> vec4f {
 }
 
 // Goes below the surface that the camera, or a path, sees.
-fn begin_walk(slot: u32, path: ptr<function, Path>, point: Point, normal: vec3f, below: Below) {
+fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, normal: vec3f) {
     (*path).work = ENDED;
-    let m = material_at(point.material);
-    let side = select(1.0, -1.0, dot((*path).direction, point.geometric) > 0.0);
-    let outward = point.geometric * side;
+    let m = material_at((*met).material);
+    let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+    let outward = (*met).geometric * side;
     let u = walk_numbers(path, 0u);
     let toward = (*path).direction;
     let eta = tables[m + WALK_ETA];
@@ -49,7 +49,7 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, point: Point, normal: vec3f,
             is_diffuse = u.x < 0.5;
             choice.x = select(2.0 * u.x - 1.0, 2.0 * u.x, is_diffuse);
         } else if (surface == ROUGH) {
-            roughness = unit_at(m + SPECULAR_ROUGHNESS, point);
+            roughness = (*met).surface.specular_roughness;
         }
         if (is_diffuse) {
             direction = -(frame * sample_cosine(choice));
@@ -66,28 +66,28 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, point: Point, normal: vec3f,
     }
     let cosine = -dot(direction, outward);
     // Channels of length 0 are a matter of the surface
-    let scatters = below.length > vec3f(0.0);
+    let scatters = (*met).length > vec3f(0.0);
     let throughput = select(vec3f(0.0), (*path).throughput, scatters);
     let all = sum(throughput);
     if (!(cosine > 0.0) || !(all > 0.0 && all < NEVER)) {
         return;
     }
     // On the ray where it is deep enough, unless it hardly gets deeper
-    let skipped = point.offset / max(cosine, 0.1);
+    let skipped = (*met).offset / max(cosine, 0.1);
     var walk: Walk;
-    walk.from = point.position + direction * skipped - outward * (point.offset - skipped * cosine);
+    walk.start = (*met).position + direction * skipped - outward * ((*met).offset - skipped * cosine);
     walk.nesting = 1u;
     walk.direction = direction;
-    walk.sigma_t = select(vec3f(0.0), 1.0 / max(below.length, vec3f(1e-30)), scatters);
-    walk.alpha = single_scattering_albedo(point.material, below.surface_albedo);
+    walk.sigma_t = select(vec3f(0.0), 1.0 / max((*met).length, vec3f(1e-30)), scatters);
+    walk.alpha = single_scattering_albedo((*met).material, (*met).surface.surface_albedo);
     walk.skipped = skipped;
     walk.entered = all;
     walk.side = side;
-    walk.offset = point.offset;
+    walk.offset = (*met).offset;
     walk.pdf = NEVER;
-    walk.group = point.group;
-    walk.material = point.material;
-    if (surface == CLEAR && eta == 1.0 && !is_passed_alike(point, ((*path).flags & SOFT) != 0u)) {
+    walk.group = (*met).group;
+    walk.material = (*met).material;
+    if (surface == CLEAR && eta == 1.0 && !is_passed_alike(met, ((*path).flags & SOFT) != 0u)) {
         // Light that goes straight through is then found by paths alone
         (*path).mis_pdf = NEVER;
     }
@@ -108,21 +108,21 @@ fn set_out(path: ptr<function, Path>, walk: ptr<function, Walk>, u: f32) {
 fn flight_length(throughput: vec3f, sigma_t: vec3f, u: f32) -> f32 {
     let place = u * sum(throughput);
     var start = 0.0;
-    var of = throughput.x;
+    var part = throughput.x;
     var sigma = sigma_t.x;
     if (place >= throughput.x + throughput.y) {
         start = throughput.x + throughput.y;
-        of = throughput.z;
+        part = throughput.z;
         sigma = sigma_t.z;
     } else if (place >= throughput.x) {
         start = throughput.x;
-        of = throughput.y;
+        part = throughput.y;
         sigma = sigma_t.y;
     }
-    if (!(of > 0.0 && sigma > 0.0)) {
+    if (!(part > 0.0 && sigma > 0.0)) {
         return NEVER;
     }
-    return min(-log(1.0 - clamp((place - start) / of, 0.0, 0.99999994)) / sigma, NEVER);
+    return min(-log(1.0 - clamp((place - start) / part, 0.0, 0.99999994)) / sigma, NEVER);
 }
 
 // e^{-σt}, up to a factor that all channels share: that of the channel that comes farthest is 1.
@@ -163,98 +163,96 @@ fn turned(g: f32, direction: vec3f, u: vec2f) -> vec3f {
     return normalize(frame_of(direction) * vec3f(sine * around, cosine));
 }
 
-// A flight's surface, or nothing.
-fn walk_step(slot: u32) {
-    var path = slots[slot].path;
-    var walk = slots[slot].walk;
-    var shadow = slots[slot].shadow;
-    path.work = WALK_RAY;
-    let is_hit = path.hit_triangle != NO_TRIANGLE;
-    if (!is_hit) {
-        collide(slot, &path, &walk, &shadow, walk.length);
+// Where a flight has ended: at a surface, or at a collision.
+fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>) {
+    (*path).work = WALK_RAY;
+    if ((*path).hit_triangle == NO_TRIANGLE) {
+        collide(path, walk, light, (*walk).length);
+        return;
+    }
+    let distance = (*walk).done + (*path).hit_t;
+    let leaves = dot((*walk).direction, geometric_normal((*path).hit_triangle)) * (*walk).side > 0.0;
+    let ends = leaves && (*walk).nesting <= 1u;
+    if (ends && distance <= (*walk).length) {
+        (*walk).length = distance;
+        (*path).work = WALK_END;
+    } else if (ends) {
+        // Nearer to the body's end than rounding allows: a little before it
+        collide(path, walk, light, max(distance - (*walk).offset, 0.0));
+    } else if (distance > (*walk).length) {
+        collide(path, walk, light, (*walk).length);
     } else {
-        let distance = walk.done + path.hit_t;
-        let leaves = dot(walk.direction, geometric_normal(path.hit_triangle)) * walk.side > 0.0;
-        if (leaves && walk.nesting <= 1u) {
-            if (distance <= walk.length) {
-                reach_end(slot, &path, &walk, &shadow, distance);
-            } else {
-                // Nearer to the body's end than rounding allows: a little before it
-                collide(slot, &path, &walk, &shadow, max(distance - walk.offset, 0.0));
-            }
-        } else if (distance > walk.length) {
-            collide(slot, &path, &walk, &shadow, walk.length);
-        } else {
-            walk.nesting = select(walk.nesting + 1u, walk.nesting - 1u, leaves);
-            walk.done = distance + walk.offset;
-            path.passes += 1u;
-            if (path.passes >= MOST_PASSES) {
-                path.work = ENDED;
-            }
+        (*walk).nesting = select((*walk).nesting + 1u, (*walk).nesting - 1u, leaves);
+        (*walk).done = distance + (*walk).offset;
+        (*path).passes += 1u;
+        if ((*path).passes >= MOST_PASSES) {
+            (*path).work = ENDED;
         }
     }
-    slots[slot].path = path;
-    slots[slot].walk = walk;
-    slots[slot].shadow = shadow;
 }
 
 fn is_last(path: ptr<function, Path>) -> bool {
     return (*path).depth >= head(MAX_DEPTH) || (*path).diffuse_depth >= head(MAX_DIFFUSE_DEPTH);
 }
 
-// Scatters the walk at a place along its flight.
-fn collide(slot: u32, path: ptr<function, Path>, walk: ptr<function, Walk>, shadow: ptr<function, Shadow>, way: f32) {
+// A collision at a place along the flight, which is to scatter the walk.
+fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>, way: f32) {
     let length = (*walk).length + (*walk).skipped;
     (*walk).skipped = 0.0;
     let density = attenuation((*path).throughput, (*walk).sigma_t, length) * (*walk).sigma_t;
     (*path).throughput = reweighed((*path).throughput, density) * (*walk).alpha;
     (*walk).has_scattered = 1u;
     (*path).passes = 0u;
-    (*walk).from += (*walk).direction * way;
+    (*walk).start += (*walk).direction * way;
     let m = material_at((*walk).material);
     let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
-    let off = (*walk).from - table_color(MIDDLE);
+    let off = (*walk).start - table_color(MIDDLE);
     let is_lost = !(dot(off, off) <= tables[FARTHEST]);
-    if (is_lost || (*walk).events >= u32(tables[m + MOST_FLIGHTS]) || is_clear && is_last(path) || is_zero((*path).throughput)) {
+    let is_given_up = (*walk).events >= u32(tables[m + MOST_FLIGHTS]);
+    if (is_lost || is_given_up || is_clear && is_last(path) || is_zero((*path).throughput)) {
         (*path).work = ENDED;
         return;
     }
-    let g = tables[m + WALK_G];
+    (*path).work = COLLIDED;
+    (*light).kind = NO_LIGHT;
     if (is_clear && tables[m + WALK_ETA] == 1.0) {
-        send_from_collision(path, walk, shadow, g);
+        request_light(light, (*walk).start, vec3f(0.0));
     }
-    let u = walk_numbers(path, 2u * (*walk).events);
-    let survival = min(sum((*path).throughput) / (ROULETTE_BELOW * (*walk).entered), 1.0);
-    if (u.w >= survival) {
-        (*path).work = ENDED;
-        return;
-    }
-    (*path).throughput /= survival;
+}
+
+// Scatters the walk at its collision.
+fn scatter_walk(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>, shadow: ptr<function, Shadow>) {
+    let g = tables[material_at((*walk).material) + WALK_G];
     let before = (*walk).direction;
-    (*walk).direction = turned(g, before, u.xy);
-    (*walk).pdf = phase(g, dot(before, (*walk).direction));
+    let u = walk_numbers(path, 2u * (*walk).events);
+    let after = turned(g, before, u.xy);
+    (*walk).pdf = phase(g, dot(before, after));
+    if ((*light).kind != NO_LIGHT) {
+        send_from_collision(path, walk, light, shadow, phase(g, dot(before, (*light).direction)));
+    }
+    let survival = min(sum((*path).throughput) / (ROULETTE_BELOW * (*walk).entered), 1.0);
+    (*path).work = select(ENDED, WALK_RAY, u.w < survival);
+    (*path).throughput /= survival;
+    (*walk).direction = after;
     set_out(path, walk, u.z);
 }
 
-// Sends light from one sampled light, scattered at a collision, on its way out of the body: as flights come there that are
-// twice as long as the walk's own.
-fn send_from_collision(path: ptr<function, Path>, walk: ptr<function, Walk>, shadow: ptr<function, Shadow>, g: f32) {
-    let u = walk_numbers(path, 2u * (*walk).events - 1u);
-    let light = light_sample((*walk).from, vec3f(0.0), u.x, u.yz);
-    if (!light.is_usable) {
-        return;
-    }
-    let scattered = phase(g, dot((*walk).direction, light.direction));
-    let mis = select(power_heuristic(light.pdf, scattered), 1.0, light.is_delta);
-    (*shadow).matte = sent(light, (*walk).from, mis / light.pdf) * (*path).throughput * scattered;
-    (*shadow).specular = vec3f(0.0);
-    set_layer(path, shadow);
+// Sends a light sample, scattered at a collision, on its way out of the body: as flights come there that are twice as long as
+// the walk's own.
+fn send_from_collision(
+    path: ptr<function, Path>,
+    walk: ptr<function, Walk>,
+    light: ptr<function, Light>,
+    shadow: ptr<function, Shadow>,
+    scattered: f32,
+) {
+    set_light(path, shadow, weighed(light, weight_of(light, scattered)) * (*path).throughput * scattered);
     if (is_zero((*shadow).matte) && is_zero((*shadow).specular)) {
         return;
     }
     (*shadow).stage = BODY_SHADOW;
-    (*shadow).origin = (*walk).from;
-    (*shadow).direction = light.direction;
+    (*shadow).origin = (*walk).start;
+    (*shadow).direction = (*light).direction;
     (*shadow).absorption = (*path).absorption;
     (*shadow).is_soft = u32(head(CAUSTICS) == 0u);
     (*shadow).passes = 0u;
@@ -265,116 +263,118 @@ fn send_from_collision(path: ptr<function, Path>, walk: ptr<function, Walk>, sha
     (*shadow).side = (*walk).side;
     (*shadow).offset = (*walk).offset;
     (*shadow).done = 0.0;
-    (*shadow).length = flight_length((*path).throughput, 0.5 * (*walk).sigma_t, u.w);
-    (*shadow).light_distance = light.distance;
+    (*shadow).length = flight_length((*path).throughput, 0.5 * (*walk).sigma_t, (*light).random);
+    (*shadow).light_distance = (*light).distance;
 }
 
-// Divides light between the layers of the picture.
-fn set_layer(path: ptr<function, Path>, shadow: ptr<function, Shadow>) {
+// Divides light from below between the layers of the picture.
+fn set_light(path: ptr<function, Path>, shadow: ptr<function, Shadow>, light: vec3f) {
     (*shadow).is_subsurface = u32((*path).layer != OF_SURFACE);
+    (*shadow).matte = light;
+    (*shadow).specular = vec3f(0.0);
     if ((*path).layer == OF_SURFACE) {
-        (*shadow).specular = (*shadow).matte * (1.0 - (*path).diffuse_share);
-        (*shadow).matte *= (*path).diffuse_share;
+        (*shadow).specular = light * (1.0 - (*path).diffuse_share);
+        (*shadow).matte = light * (*path).diffuse_share;
     }
 }
 
 // The walk is at the body's end.
-fn reach_end(slot: u32, path: ptr<function, Path>, walk: ptr<function, Walk>, shadow: ptr<function, Shadow>, distance: f32) {
+fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<function, Met>, light: ptr<function, Light>) {
     let m = material_at((*walk).material);
-    let way = distance + (*walk).skipped;
+    let way = (*walk).length + (*walk).skipped;
     (*walk).skipped = 0.0;
     (*path).throughput = reweighed((*path).throughput, attenuation((*path).throughput, (*walk).sigma_t, way));
-    let point = point_at((*path).hit_triangle, (*path).hit);
     let eta = tables[m + WALK_ETA];
     if (u32(tables[m + WALK_SURFACE]) != CLEAR) {
-        enter_matte(path, walk, shadow, point);
+        (*path).work = AT_MATTE_END;
+        request_light(light, (*met).position, (*met).normal * (*walk).side);
         return;
     }
-    let outward = point.geometric * (*walk).side;
+    (*path).work = ENDED;
+    let outward = (*met).geometric * (*walk).side;
     var direction = (*walk).direction;
     if (eta != 1.0) {
         let u = walk_numbers(path, 2u * (*walk).events - 1u);
         let cosine = dot(direction, outward);
         if (u.x < fresnel_dielectric(cosine, 1.0 / eta)) {
             if ((*walk).events >= u32(tables[m + MOST_FLIGHTS])) {
-                (*path).work = ENDED;
                 return;
             }
             (*walk).direction = normalize(direction - outward * (2.0 * cosine));
-            (*walk).from = point.position - outward * (*walk).offset;
+            (*walk).start = (*met).position - outward * (*walk).offset;
             (*walk).nesting = 1u;
             (*walk).pdf = NEVER;
+            (*path).work = WALK_RAY;
             set_out(path, walk, u.y);
             return;
         }
         let refracted = refract_through(-direction, -outward, 1.0 / eta);
         if (!refracted.is_refracted) {
-            (*path).work = ENDED;
             return;
         }
         direction = refracted.direction;
     }
     (*path).direction = direction;
-    (*path).work = FREE_RAY;
-    var weight: vec3f;
+    var weight = coat_tint_one_way((*met).surface);
     if (eta == 1.0) {
-        weight = entering(point, direction, (*walk).side);
-    } else {
-        weight = coat_tint_one_way(surface_at(point));
-    }
-    if (eta == 1.0 && (*walk).has_scattered == 0u) {
-        // Nothing has happened to the light
-        pass_surface(path, point, weight);
-        return;
+        weight = entering(met, direction, (*walk).side);
+        if ((*walk).has_scattered == 0u) {
+            // Nothing has happened to the light
+            pass_surface(path, met, weight);
+            return;
+        }
     }
     (*path).diffuse_depth += (*walk).has_scattered;
     if ((*walk).has_scattered != 0u && head(CAUSTICS) == 0u) {
         (*path).flags |= SOFT;
     }
-    (*path).mis_point = (*walk).from;
+    (*path).mis_point = (*walk).start;
     (*path).mis_normal = vec3f(0.0);
     // No light sample comes refracted to a collision
     (*path).mis_pdf = select(NEVER, min((*walk).pdf, NEVER), eta == 1.0);
-    scatter(path, OF_SUBSURFACE, vec3f(0.0), ray_origin(point, direction), direction, weight);
+    scatter(path, OF_SUBSURFACE, vec3f(0.0), ray_origin(met, direction), direction, weight);
 }
 
-// Light enters a matte surface from any direction: one sampled light, and the path's way on in a cosine direction.
-fn enter_matte(path: ptr<function, Path>, walk: ptr<function, Walk>, shadow: ptr<function, Shadow>, point: Point) {
-    let normal = shading_normal_at(point) * (*walk).side;
-    let geometric = point.geometric * (*walk).side;
-    let p = surface_at(point);
-    let is_soft = head(CAUSTICS) == 0u;
-    let u = stratified((*path).sampler, (*path).vertex, SURFACE_SETS + WALK_SETS);
-    let light = light_sample(point.position, normal, u.x, u.yz);
-    let cosine = dot(light.direction, normal);
-    if (light.is_usable && cosine > 0.0 && dot(light.direction, geometric) > 0.0) {
-        let density = cosine * INVERSE_PI;
-        let mis = select(power_heuristic(light.pdf, density), 1.0, light.is_delta);
-        let entered = entry_weight(p, cosine) * density;
-        (*shadow).matte = sent(light, point.position, mis / light.pdf) * entered * (*path).throughput;
-        (*shadow).specular = vec3f(0.0);
-        set_layer(path, shadow);
-        if (!(is_zero((*shadow).matte) && is_zero((*shadow).specular))) {
-            (*shadow).absorption = (*path).absorption;
-            (*shadow).is_soft = u32(is_soft);
-            (*shadow).passes = 0u;
-            send(shadow, point, light.direction, light.distance);
-            (*shadow).t_max = max((*shadow).t_max, 0.0);
-        }
-    }
+// Light enters a matte surface from any direction: the light sample, and the path's way on in a cosine direction.
+fn scatter_at_matte_end(
+    path: ptr<function, Path>,
+    walk: ptr<function, Walk>,
+    met: ptr<function, Met>,
+    light: ptr<function, Light>,
+    shadow: ptr<function, Shadow>,
+) {
     (*path).work = ENDED;
+    let normal = (*met).normal * (*walk).side;
+    let geometric = (*met).geometric * (*walk).side;
+    let is_soft = head(CAUSTICS) == 0u;
     let v = stratified((*path).sampler, (*path).vertex, SURFACE_SETS + WALK_SETS + 1u);
     let wi = sample_cosine(v.xy);
-    let direction = normalize(frame_of(normal) * wi);
-    if (dot(direction, geometric) <= 0.0) {
-        return;
+    let drawn = normalize(frame_of(normal) * wi);
+    for (var k = 0u; k < 2u; k += 1u) {
+        let direction = select(drawn, (*light).direction, k == 0u);
+        let cosine = select(wi.z, dot(direction, normal), k == 0u);
+        if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || k == 0u && (*light).kind == NO_LIGHT) {
+            continue;
+        }
+        let weight = entry_weight((*met).surface, min(cosine, 1.0));
+        let density = cosine * INVERSE_PI;
+        if (k == 0u) {
+            set_light(path, shadow, weighed(light, weight_of(light, density)) * weight * density * (*path).throughput);
+            if (!(is_zero((*shadow).matte) && is_zero((*shadow).specular))) {
+                (*shadow).absorption = (*path).absorption;
+                (*shadow).is_soft = u32(is_soft);
+                (*shadow).passes = 0u;
+                send(shadow, met, direction, (*light).distance);
+            }
+            continue;
+        }
+        (*path).mis_point = (*met).position;
+        (*path).mis_normal = normal;
+        (*path).mis_pdf = density;
+        (*path).diffuse_depth += 1u;
+        if (is_soft) {
+            (*path).flags |= SOFT;
+        }
+        scatter(path, OF_SUBSURFACE, vec3f(0.0), ray_origin(met, direction), direction, weight);
     }
-    (*path).mis_point = point.position;
-    (*path).mis_normal = normal;
-    (*path).mis_pdf = wi.z * INVERSE_PI;
-    (*path).diffuse_depth += 1u;
-    if (is_soft) {
-        (*path).flags |= SOFT;
-    }
-    scatter(path, OF_SUBSURFACE, vec3f(0.0), ray_origin(point, direction), direction, entry_weight(p, wi.z));
 }

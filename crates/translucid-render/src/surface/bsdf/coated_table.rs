@@ -61,6 +61,15 @@ impl Loss {
         mix(self.grids[row].eval(mu, roughness), self.grids[row + 1].eval(mu, roughness), r)
     }
 
+    /// The grids, then their averages.
+    fn numbers(&self) -> Vec<f32> {
+        self.grids
+            .iter()
+            .flat_map(TableGrid::numbers)
+            .chain(self.average.as_flattened().iter().copied())
+            .collect()
+    }
+
     fn average(&self, roughness: f32, coat_roughness: f32) -> f32 {
         if Ggx::from_roughness(roughness).is_smooth() {
             return 0.0;
@@ -94,6 +103,17 @@ impl CoatedTable {
             coat_dielectric: averages(coat, |mu, roughness| specular.eval(mu, roughness)),
             coat_metal: averages(coat, |mu, roughness| deficit.deficit(mu, roughness)),
         }
+    }
+
+    /// Losses of a dielectric and of a metal, then the averages of both.
+    pub(super) fn numbers(&self) -> [Vec<f32>; 4] {
+        let averages = |of: &Averages| of.as_flattened().to_vec();
+        [
+            self.dielectric.numbers(),
+            self.metal.numbers(),
+            averages(&self.coat_dielectric),
+            averages(&self.coat_metal),
+        ]
     }
 
     /// X of the dielectric's reflection.

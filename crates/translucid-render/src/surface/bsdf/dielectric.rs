@@ -30,7 +30,7 @@ pub fn scaled_ior(ior: f32, weight: f32) -> f32 {
 
 /// Direction refracted at a facet with normal `h` on the side of `wo`, and its cosine with −`h`;
 /// `None` beyond the critical angle.
-pub(crate) fn refract(wo: Vec3, h: Vec3, eta: f32) -> Option<Vec3> {
+pub fn refract(wo: Vec3, h: Vec3, eta: f32) -> Option<Vec3> {
     let cos_o = wo.dot(h);
     let g2 = (eta - 1.0) * (eta + 1.0) + cos_o * cos_o;
     if g2 <= 0.0 {

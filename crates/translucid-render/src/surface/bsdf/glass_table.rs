@@ -52,11 +52,7 @@ impl GlassTable {
         if ggx.is_smooth() {
             return 1.0;
         }
-        let level = |k: usize| {
-            let sides =
-                self.levels[k].get_or_init(|| Sides::new(scaled_ior(self.eta, 0.25_f32.powi(k as i32))));
-            side(sides).eval(mu, roughness)
-        };
+        let level = |k: usize| side(self.level(k)).eval(mu, roughness);
         let root = weight.sqrt();
         let (mut above, mut step) = (0, 1.0);
         while above + 1 < LEVELS && root < 0.5 * step {
@@ -69,6 +65,16 @@ impl GlassTable {
             mix(level(above + 1), level(above), 2.0 * root / step - 1.0)
         };
         kept.clamp(0.1, 1.0)
+    }
+
+    fn level(&self, k: usize) -> &Sides {
+        self.levels[k].get_or_init(|| Sides::new(scaled_ior(self.eta, 0.25_f32.powi(k as i32))))
+    }
+
+    /// The tables of all levels, each from outside and from inside.
+    pub(super) fn numbers(&self) -> Vec<f32> {
+        let of = |sides: &Sides| sides.from_outside.numbers().chain(sides.from_inside.numbers()).collect();
+        (0..LEVELS).flat_map(|k| -> Vec<f32> { of(self.level(k)) }).collect()
     }
 }
 

@@ -44,6 +44,22 @@ impl MaterialTables {
         self.coat.eta()
     }
 
+    /// All that the tables hold as numbers, for devices: with the names that their shaders give the places, in this order.
+    pub fn sections(&self) -> [(&'static str, Vec<f32>); 9] {
+        let [dielectric, metal, coat_dielectric, coat_metal] = self.coated().numbers();
+        [
+            ("INDICES", vec![self.specular_ior(), self.coat_ior()]),
+            ("SPECULAR_TABLE", self.specular.numbers()),
+            ("COAT_TABLE", self.coat.numbers()),
+            ("METAL_TABLE", self.metal.numbers()),
+            ("COATED_DIELECTRIC_TABLE", dielectric),
+            ("COATED_METAL_TABLE", metal),
+            ("COAT_DIELECTRIC_AVERAGES", coat_dielectric),
+            ("COAT_METAL_AVERAGES", coat_metal),
+            ("GLASS_TABLE", self.glass.numbers()),
+        ]
+    }
+
     fn coated(&self) -> &CoatedTable {
         self.coated.get_or_init(|| CoatedTable::new(&self.coat, &self.specular))
     }
@@ -158,7 +174,7 @@ pub(super) fn coat_tint_one_way(p: &SurfaceParameters) -> Vec3 {
 }
 
 /// A direction over the upper hemisphere with density cosθ/π.
-pub(crate) fn sample_cosine(v: [f32; 2]) -> Vec3 {
+pub fn sample_cosine(v: [f32; 2]) -> Vec3 {
     let (sin, cos) = libm::sincosf(TAU * v[1]);
     let r = v[0].sqrt();
     // Never exactly on the horizon.
@@ -197,7 +213,7 @@ impl<'a> EntryBsdf<'a> {
     }
 
     /// The tint of one pass through the coat.
-    pub(crate) fn tint(&self) -> Vec3 {
+    pub fn tint(&self) -> Vec3 {
         self.tint
     }
 
@@ -208,7 +224,7 @@ impl<'a> EntryBsdf<'a> {
     }
 
     /// T(ωi)/T̄ with the tint of one pass through the coat: the share of a radiance that enters.
-    pub(crate) fn weight(&self, cos_i: f32) -> Vec3 {
+    pub fn weight(&self, cos_i: f32) -> Vec3 {
         self.tint * (self.layers.transmittance(cos_i.min(1.0)) * self.inverse_average)
     }
 }

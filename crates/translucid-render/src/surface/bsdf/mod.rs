@@ -35,22 +35,24 @@ mod dielectric;
 mod ggx;
 mod glass_table;
 #[cfg(test)]
+mod judged;
+#[cfg(test)]
 mod laws;
 mod layers;
+#[cfg(test)]
+mod light_below;
 mod reflectance_table;
 mod scattering;
 mod surface;
 mod thin_wall;
 
 pub use conductor::MetalFresnel;
-pub(crate) use dielectric::refract;
-pub use dielectric::{fresnel_dielectric, scaled_ior};
+pub use dielectric::{fresnel_dielectric, refract, scaled_ior};
 pub use ggx::Ggx;
 pub use glass_table::GlassTable;
-pub(crate) use layers::sample_cosine;
-pub use layers::{EntryBsdf, MaterialTables};
+pub use layers::{EntryBsdf, MaterialTables, sample_cosine};
 pub use reflectance_table::{MetalTable, ReflectanceTable};
 pub(crate) use scattering::LightBelow;
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
 pub use surface::SurfaceParameters;
-pub(crate) use thin_wall::Slab;
+pub use thin_wall::Slab;

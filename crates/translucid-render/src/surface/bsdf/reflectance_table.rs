@@ -66,6 +66,11 @@ impl<const C: usize, const R: usize> TableGrid<C, R> {
         mix(low, high, r)
     }
 
+    /// All values, row by row.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f32> {
+        self.values.as_flattened().iter().copied()
+    }
+
     /// Roughness of a row.
     pub(super) fn row_roughness(row: usize) -> f32 {
         SMOOTHEST + (1.0 - SMOOTHEST) * row as f32 / (R - 1) as f32
@@ -205,6 +210,11 @@ impl ReflectanceTable {
         (fresnel + self.excess.eval(mu, roughness)).clamp(0.0, 1.0)
     }
 
+    /// The table, then the averages.
+    pub(super) fn numbers(&self) -> Vec<f32> {
+        self.excess.numbers().chain(self.average).collect()
+    }
+
     /// 2 ∫ E(μ) μ dμ.
     pub fn average(&self, roughness: f32) -> f32 {
         let (low, high, r) = average_position(roughness);
@@ -244,6 +254,11 @@ impl MetalTable {
             return 0.0;
         }
         self.deficit.eval(mu, roughness).clamp(0.0, 1.0)
+    }
+
+    /// The table, then the averages.
+    pub(super) fn numbers(&self) -> Vec<f32> {
+        self.deficit.numbers().chain(self.average).collect()
     }
 
     /// 2 ∫ (1 − E(μ)) μ dμ.

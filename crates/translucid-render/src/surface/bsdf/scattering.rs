@@ -620,7 +620,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// The share of light that goes straight through a thin wall.
-    pub(crate) fn straight_through_wall(&self) -> Vec3 {
+    pub fn straight_through_wall(&self) -> Vec3 {
         let is_smooth = self.thin.is_some_and(|thin| thin.facets.is_smooth());
         if is_smooth && self.strategies.straight > 0.0 { self.straight() } else { Vec3::ZERO }
     }

@@ -99,14 +99,14 @@ impl SurfaceParameters {
     /// The thin-walled surface whose scattering with the mean cosine `g` is divided between its sides
     /// [OpenPBR Surface 1.1, "Thin-walled mode"].
     #[must_use]
-    pub(crate) fn scattered_to_both_sides(self, g: f32) -> Self {
+    pub fn scattered_to_both_sides(self, g: f32) -> Self {
         let half = 0.5 * self.surface_albedo;
         Self { surface_albedo: half * (1.0 - g), thin_wall: Some(half * (1.0 + g)), ..self }
     }
 
     /// The surface without its clear part and with rough reflections, as [soft](crate::path) paths see it.
     #[must_use]
-    pub(crate) fn seen_softly(self) -> Self {
+    pub fn seen_softly(self) -> Self {
         Self {
             transmission_weight: 0.0,
             specular_roughness: self.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
@@ -118,7 +118,7 @@ impl SurfaceParameters {
     /// The surface with a black base, for paths that may not be scattered diffusely any more: neither light samples nor
     /// paths then find light there.
     #[must_use]
-    pub(crate) fn without_diffuse(self) -> Self {
+    pub fn without_diffuse(self) -> Self {
         Self {
             subsurface_weight: 1.0,
             surface_albedo: Vec3::ZERO,
@@ -130,7 +130,7 @@ impl SurfaceParameters {
 
     /// The surface without its matte base, for such paths above a body that light may pass straight.
     #[must_use]
-    pub(crate) fn without_matte(self) -> Self {
+    pub fn without_matte(self) -> Self {
         Self { base_color: Vec3::ZERO, surface_albedo: self.subsurface_albedo_active(), ..self }
     }
 

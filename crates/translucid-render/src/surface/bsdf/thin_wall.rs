@@ -18,14 +18,16 @@ use super::ggx::Ggx;
 
 /// Reflectance and transmittance of a smooth clear sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Slab {
+pub struct Slab {
+    /// Share that returns.
     pub(super) reflectance: Vec3,
-    pub(crate) transmittance: Vec3,
+    /// Share that passes.
+    pub transmittance: Vec3,
 }
 
 impl Slab {
     /// A sheet of the index `eta` ≥ 1 that is seen at `cos` and that passes `color` of the light along its normal.
-    pub(crate) fn new(cos: f32, eta: f32, color: Vec3) -> Self {
+    pub fn new(cos: f32, eta: f32, color: Vec3) -> Self {
         let f = fresnel_dielectric(cos, eta);
         let cos_inside = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt();
         let passed = color.powf(1.0 / cos_inside.max(1e-4));

@@ -1,0 +1,285 @@
+//! The surface's shaders against the renderer, case by case; and the laws of its BSDF, which devices sign as it does.
+//!
+//! A device rounds elsewhere than the renderer. Both are right if each is the exact result for inputs that differ by
+//! roundings: so a result may differ by as much as the renderer's own changes when its inputs move by roundings, and by
+//! a few roundings of its own.
+
+use glam::Vec3;
+use translucid_render::measure::bsdf::{
+    Bsdf, BsdfSample, BsdfValue, EntryBsdf, Lobe, MaterialTables, Slab, SurfaceParameters,
+    fresnel_dielectric, refract, sample_cosine, scaled_ior,
+};
+
+mod judged;
+#[path = "../../../translucid-render/src/surface/bsdf/laws.rs"]
+mod laws;
+
+use laws::Random;
+
+/// Two units in the last place of numbers below 1.
+const STEP: f32 = 1.0 / (1 << 23) as f32;
+/// Roundings of a result, relative to it.
+const ROUNDING: f32 = 1e-5;
+/// Steps by which inputs count as moved.
+const STEPS: f32 = 4.0;
+
+/// Indices of base and coat.
+const INDICES: [[f32; 2]; 5] = [[1.0, 1.5], [1.33, 1.6], [1.5, 1.6], [2.4, 1.0], [4.0, 1.3]];
+
+fn surface(random: &mut Random, number: usize, indices: [f32; 2]) -> SurfaceParameters {
+    if number.is_multiple_of(4) { random.thin_walled(indices) } else { random.material(indices) }
+}
+
+/// Numbers moved by a step one at a time, up and down.
+fn moved(numbers: [f32; 3]) -> impl Iterator<Item = [f32; 3]> {
+    (0..6).map(move |k| {
+        let mut moved = numbers;
+        moved[k / 2] += if k % 2 == 0 { STEP } else { -STEP };
+        moved
+    })
+}
+
+/// Errors in units of what is allowed.
+#[derive(Default)]
+struct Errors(Vec<f32>);
+
+impl Errors {
+    /// Adds the difference between a device's result and the renderer's, of which `around` are those for moved inputs.
+    fn add(
+        &mut self,
+        found: Vec3,
+        expected: Vec3,
+        around: impl Iterator<Item = Vec3>,
+        of: &dyn Fn() -> String,
+    ) {
+        let difference = |other: Vec3| (other - expected).abs().max_element();
+        let spread = around.map(difference).fold(0.0, f32::max);
+        let allowed = ROUNDING * expected.abs().max_element() + STEPS * spread + 1e-9;
+        let error = difference(found) / allowed;
+        if error > 1.0 || error.is_nan() {
+            println!("{}: {found} is not {expected} ± {allowed}", of());
+        }
+        self.0.push(error);
+    }
+
+    /// Asserts that none is too large, and prints how they are distributed.
+    fn assert(mut self) {
+        self.0.sort_by(f32::total_cmp);
+        let at = |part: f64| self.0[(part * (self.0.len() - 1) as f64) as usize];
+        println!("{} errors: {:?}", self.0.len(), [0.5, 0.9, 0.99, 0.999, 1.0].map(at));
+        assert!(at(0.0) >= 0.0 && at(1.0) <= 1.0, "{} {}", at(0.0), at(1.0));
+    }
+}
+
+#[test]
+fn places_of_tables_are_those_of_the_shaders() {
+    let text = judged::SHADERS.concat();
+    let mut place = 0;
+    for (name, numbers) in MaterialTables::new(1.5, 1.6).sections() {
+        assert!(place == 0 || text.contains(&format!("const {name} = {place}u;\n")), "{name} {place}");
+        place += numbers.len();
+    }
+}
+
+#[test]
+fn device_evaluates_as_the_renderer_does() {
+    let mut random = Random::of(41);
+    let mut errors = Errors::default();
+    for indices in INDICES {
+        let tables = MaterialTables::new(indices[0], indices[1]);
+        let cases: Vec<_> = (0..3000)
+            .map(|k| {
+                let (p, wo) = (surface(&mut random, k, indices), random.direction());
+                // Narrow lobes are met by their own samples only
+                match Bsdf::new(&p, &tables, wo).sample(random.next(), [random.next(), random.next()]) {
+                    Some(BsdfSample::Direction { wi, .. }) if k % 3 > 0 => (p, wo, wi),
+                    _ => (p, wo, random.direction()),
+                }
+            })
+            .collect();
+        for ((p, wo, wi), found) in cases.iter().zip(judged::eval(&tables, cases.iter().copied())) {
+            let bsdf = Bsdf::new(p, &tables, *wo);
+            let seen = |wo: [f32; 3]| Bsdf::new(p, &tables, Vec3::from(wo)).eval(*wi);
+            let around: Vec<_> = moved(wi.to_array())
+                .map(|wi| bsdf.eval(Vec3::from(wi)))
+                .chain(moved(wo.to_array()).map(seen))
+                .collect();
+            for (name, part) in [
+                ("diffuse", (|value| value.diffuse) as fn(&BsdfValue) -> Vec3),
+                ("specular", |value| value.specular),
+                ("pdf", |value| Vec3::splat(value.pdf)),
+            ] {
+                let of = || format!("{name} of {p:?} {wo} {wi}");
+                errors.add(part(&found), part(&bsdf.eval(*wi)), around.iter().map(part), &of);
+            }
+        }
+    }
+    errors.assert();
+}
+
+/// A decision without its numbers: the lobe, or `None` for light from below, and whether light crosses the surface.
+fn decision(sample: &BsdfSample) -> (Option<Lobe>, bool) {
+    match *sample {
+        BsdfSample::Direction { lobe, transmitted, .. } => (Some(lobe), transmitted),
+        BsdfSample::Subsurface { .. } => (None, false),
+    }
+}
+
+/// The numbers of a decision: direction, weight, its matte part and density.
+fn numbers(sample: &BsdfSample) -> [Vec3; 4] {
+    match *sample {
+        BsdfSample::Direction { wi, weight, diffuse_share, pdf, .. } => {
+            [wi, weight, weight * diffuse_share, Vec3::splat(pdf)]
+        }
+        BsdfSample::Subsurface { weight } => [Vec3::ZERO, weight, Vec3::ZERO, Vec3::ZERO],
+    }
+}
+
+#[test]
+fn device_samples_as_the_renderer_does() {
+    let mut random = Random::of(43);
+    let mut errors = Errors::default();
+    let (mut count, mut edges) = (0, 0);
+    for indices in INDICES {
+        let tables = MaterialTables::new(indices[0], indices[1]);
+        let cases: Vec<_> = (0..6000)
+            .map(|k| (surface(&mut random, k, indices), random.direction(), random.triple()))
+            .collect();
+        for ((p, wo, u), found) in cases.iter().zip(judged::sample(&tables, cases.iter().copied())) {
+            let bsdf = Bsdf::new(p, &tables, *wo);
+            let draw = |bsdf: &Bsdf<'_>, u: [f32; 3]| {
+                let [u, v0, v1] = u.map(|u| u.clamp(0.0, 1.0 - 0.5 * STEP));
+                bsdf.sample(u, [v0, v1])
+            };
+            let expected = draw(&bsdf, *u);
+            count += 1;
+            if found.as_ref().map(decision) != expected.as_ref().map(decision) {
+                edges += 1;
+                continue;
+            }
+            let (Some(found), Some(expected)) = (found, expected) else { continue };
+            let around: Vec<_> = moved(*u)
+                .map(|u| draw(&bsdf, u))
+                .chain(moved(wo.to_array()).map(|wo| draw(&Bsdf::new(p, &tables, Vec3::from(wo)), *u)))
+                .flatten()
+                .filter(|sample| decision(sample) == decision(&expected))
+                .map(|sample| numbers(&sample))
+                .collect();
+            let names = ["direction", "weight", "matte weight", "pdf"];
+            for (k, name) in names.into_iter().enumerate() {
+                let of = || format!("{name} of {p:?} {wo} {u:?}, {:?}", decision(&expected));
+                errors.add(numbers(&found)[k], numbers(&expected)[k], around.iter().map(|n| n[k]), &of);
+            }
+        }
+    }
+    println!("{edges} of {count} decisions on an edge");
+    assert!(1000 * edges < count, "{edges} of {count}");
+    errors.assert();
+}
+
+#[test]
+fn device_sees_surfaces_as_the_renderer_does() {
+    let mut random = Random::of(47);
+    let mut errors = Errors::default();
+    for indices in INDICES {
+        let tables = MaterialTables::new(indices[0], indices[1]);
+        let cases: Vec<_> = (0..2000)
+            .map(|k| (surface(&mut random, k, indices), random.direction(), random.next()))
+            .collect();
+        let body = "
+            let p = surface_at(i);
+            let wo = triple_at(i + 31u);
+            put(o, bsdf_new(p, wo).albedo);
+            put(o + 3u, bsdf_new(surface_seen_softly(p), wo).albedo);
+            put(o + 6u, bsdf_new(surface_without_diffuse(p), wo).albedo);
+            put(o + 9u, bsdf_new(surface_without_matte(p), wo).albedo);
+            var b = bsdf_new(p, wo);
+            put(o + 12u, bsdf_straight_through_wall(&b));
+            put(o + 15u, straight_transmittance(p, abs(wo.z)));
+            put(o + 18u, entry_weight(p, inputs[i + 34u]));
+            put(o + 21u, coat_tint_one_way(p));";
+        let inputs = cases.iter().map(|(p, wo, mu)| (*p, wo.to_array(), [*mu, 0.0, 0.0]));
+        let outputs: Vec<[f32; 24]> = judged::answers(&tables, body, inputs);
+        for ((p, wo, mu), output) in cases.iter().zip(outputs) {
+            let expected = |wo: Vec3, mu: f32| {
+                let seen = |p: &SurfaceParameters| Bsdf::new(p, &tables, wo);
+                let entry = EntryBsdf::new(p, &tables);
+                [
+                    seen(p).albedo(),
+                    seen(&p.seen_softly()).albedo(),
+                    seen(&p.without_diffuse()).albedo(),
+                    seen(&p.without_matte()).albedo(),
+                    seen(p).straight_through_wall(),
+                    straight_transmittance(p, wo.z.abs()),
+                    entry.weight(mu),
+                    entry.tint(),
+                ]
+            };
+            let around: Vec<_> = moved([wo.x, wo.y, wo.z])
+                .map(|wo| expected(Vec3::from(wo), *mu))
+                .chain([mu + STEP, (mu - STEP).max(0.0)].map(|mu| expected(*wo, mu)))
+                .collect();
+            for (k, expected) in expected(*wo, *mu).into_iter().enumerate() {
+                let found = Vec3::from_slice(&output[3 * k..3 * k + 3]);
+                let of = || format!("{k} of {p:?} {wo} {mu}");
+                errors.add(found, expected, around.iter().map(|values| values[k]), &of);
+            }
+        }
+    }
+    errors.assert();
+}
+
+/// Transmittance of a clear surface that shadow rays pass.
+fn straight_transmittance(p: &SurfaceParameters, cosine: f32) -> Vec3 {
+    if p.thin_wall.is_some() {
+        let eta = scaled_ior(p.specular_ior, p.specular_weight);
+        return Slab::new(cosine.min(1.0), eta, p.transmission_tint).transmittance;
+    }
+    p.transmission_tint * (1.0 - p.specular_weight * fresnel_dielectric(cosine, p.specular_ior))
+}
+
+#[test]
+fn device_refracts_as_the_renderer_does() {
+    let mut random = Random::of(53);
+    let mut errors = Errors::default();
+    let etas = [1.0, 1.0005, 1.33, 1.5, 4.0, 1.0 / 1.33, 1.0 / 1.5, 0.25];
+    let cases: Vec<_> = (0..8000_usize)
+        .map(|k| {
+            let p = SurfaceParameters { specular_ior: etas[k % etas.len()], ..SurfaceParameters::default() };
+            let wo = random.direction();
+            (
+                p,
+                Vec3::new(wo.x, wo.y, wo.z.abs()),
+                [random.corner().min(1.0 - 0.5 * STEP), random.next(), 0.0],
+            )
+        })
+        .collect();
+    let body = "
+        let wo = triple_at(i + 31u);
+        let u = triple_at(i + 34u);
+        let eta = inputs[i + 28u];
+        let refracted = refract_through(wo, vec3f(0.0, 0.0, 1.0), eta);
+        put(o, select(vec3f(0.0), refracted.direction, refracted.is_refracted));
+        put(o + 3u, vec3f(fresnel_dielectric(wo.z, eta)));
+        put(o + 6u, sample_cosine(u.xy));";
+    let inputs = cases.iter().map(|(p, wo, u)| (*p, wo.to_array(), *u));
+    let outputs: Vec<[f32; 9]> = judged::answers(&MaterialTables::new(1.5, 1.6), body, inputs);
+    for ((p, wo, u), output) in cases.iter().zip(outputs) {
+        let eta = p.specular_ior;
+        let expected = |wo: Vec3, u: [f32; 3]| {
+            let direction = refract(wo, Vec3::Z, eta).unwrap_or(Vec3::ZERO);
+            let u = u.map(|u| u.clamp(0.0, 1.0));
+            [direction, Vec3::splat(fresnel_dielectric(wo.z, eta)), sample_cosine([u[0], u[1]])]
+        };
+        let around: Vec<_> = moved(wo.to_array())
+            .map(|wo| expected(Vec3::from(wo), *u))
+            .chain(moved(*u).map(|u| expected(*wo, u)))
+            .collect();
+        for (k, expected) in expected(*wo, *u).into_iter().enumerate() {
+            let found = Vec3::from_slice(&output[3 * k..3 * k + 3]);
+            let of = || format!("{k} of {eta} {wo} {u:?}");
+            errors.add(found, expected, around.iter().map(|values| values[k]), &of);
+        }
+    }
+    errors.assert();
+}
