@@ -260,6 +260,40 @@ fn straight_transmittance(p: &SurfaceParameters, cosine: f32) -> Vec3 {
 }
 
 #[test]
+fn device_clamps_surfaces_as_the_renderer_does() {
+    let odd = [f32::NAN, -1.0, 0.5, 7.0, f32::INFINITY, f32::NEG_INFINITY];
+    let (mut random, tables) = (Random::of(59), MaterialTables::new(1.5, 1.6));
+    let mut number = || odd[(random.next() * odd.len() as f32) as usize];
+    let mut color = || Vec3::new(number(), number(), number());
+    let cases: Vec<_> = (0..2000)
+        .map(|k| {
+            let [weights, rest, last] = [color(), color(), color()];
+            let p = SurfaceParameters {
+                base_color: color(),
+                specular_color: color(),
+                transmission_tint: color(),
+                surface_albedo: color(),
+                coat_color: color(),
+                metalness: weights.x,
+                specular_weight: weights.y,
+                specular_roughness: weights.z,
+                transmission_weight: rest.x,
+                subsurface_weight: rest.y,
+                coat_weight: rest.z,
+                coat_roughness: last.x,
+                thin_wall: (k % 4 == 0).then(&mut color),
+                ..SurfaceParameters::default()
+            };
+            (p, laws::direction(0.6) * if k % 3 == 0 { -1.0 } else { 1.0 })
+        })
+        .collect();
+    for ((p, wo), (albedo, _)) in cases.iter().zip(judged::seen(&tables, cases.iter().copied())) {
+        let expected = Bsdf::new(p, &tables, *wo).albedo();
+        assert!((albedo - expected).abs().max_element() < ROUNDING, "{p:?} {wo}: {albedo} is not {expected}");
+    }
+}
+
+#[test]
 fn device_refracts_as_the_renderer_does() {
     let mut random = Random::of(53);
     let mut errors = Errors::default();
