@@ -1,7 +1,8 @@
 //! Functions of the shaders on many inputs at once, for tests that hold them against their twins on the CPU.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::device::{Gpu, devices};
 
@@ -40,29 +41,54 @@ impl Evaluation<'_> {
         let gpu = gpu();
         let [width_in, width_out] = self.widths;
         let count = inputs.len() / width_in;
-        let mut text = self.shaders.concat();
-        let _ = write!(
-            text,
-            "
-@group(0) @binding(0) var<storage, read> tables: array<f32>;
-@group(0) @binding(1) var<storage, read> images: array<u32>;
-@group(0) @binding(2) var<storage, read> inputs: array<f32>;
-@group(0) @binding(3) var<storage, read_write> outputs: array<f32>;
-@compute @workgroup_size(64)
-fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {{
-    if id.x >= {count}u {{
-        return;
-    }}
-    let i = id.x * {width_in}u;
-    let o = id.x * {width_out}u;
-    {}
-}}",
-            self.body
-        );
+        let pipeline = self.pipeline(gpu);
+        let filled = |words: &[u32]| {
+            let buffer = gpu.buffer(4 * words.len().max(1) as u64, Usage::STORAGE | Usage::COPY_DST);
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        };
+        let bytes = 4 * (count * width_out) as u64;
+        let outputs = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
+        let read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
+        let buffers = [
+            &filled(bytemuck::cast_slice(self.tables)),
+            &filled(self.images),
+            &filled(bytemuck::cast_slice(inputs)),
+            &outputs,
+        ];
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let device = &gpu.device;
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((count as u32).div_ceil(64), 1, 1);
+        drop(pass);
+        encoder.copy_buffer_to_buffer(&outputs, 0, &read, 0, None);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.read(&read).unwrap().into_iter().map(f32::from_bits).collect()
+    }
+
+    /// The statements for the device, which are translated once.
+    fn pipeline(&self, gpu: &Gpu) -> wgpu::ComputePipeline {
+        static MADE: Mutex<BTreeMap<String, wgpu::ComputePipeline>> = Mutex::new(BTreeMap::new());
+        let text = self.text();
+        let mut made = MADE.lock().unwrap();
+        if let Some(pipeline) = made.get(&text) {
+            return pipeline.clone();
+        }
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("evaluate"),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
+            source: wgpu::ShaderSource::Wgsl(text.as_str().into()),
         });
         let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
             binding,
@@ -92,38 +118,32 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {{
             cache: None,
         });
         gpu.check().unwrap();
-        let filled = |words: &[u32]| {
-            let buffer = gpu.buffer(4 * words.len().max(1) as u64, Usage::STORAGE | Usage::COPY_DST);
-            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
-            buffer
-        };
-        let bytes = 4 * (count * width_out) as u64;
-        let outputs = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
-        let read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
-        let buffers = [
-            &filled(bytemuck::cast_slice(self.tables)),
-            &filled(self.images),
-            &filled(bytemuck::cast_slice(inputs)),
-            &outputs,
-        ];
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &bindings,
-            entries: &entries,
-        });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups((count as u32).div_ceil(64), 1, 1);
-        drop(pass);
-        encoder.copy_buffer_to_buffer(&outputs, 0, &read, 0, None);
-        gpu.queue.submit([encoder.finish()]);
-        gpu.read(&read).unwrap().into_iter().map(f32::from_bits).collect()
+        made.insert(text, pipeline.clone());
+        pipeline
+    }
+
+    fn text(&self) -> String {
+        let [width_in, width_out] = self.widths;
+        let mut text = self.shaders.concat();
+        let _ = write!(
+            text,
+            "
+@group(0) @binding(0) var<storage, read> tables: array<f32>;
+@group(0) @binding(1) var<storage, read> images: array<u32>;
+@group(0) @binding(2) var<storage, read> inputs: array<f32>;
+@group(0) @binding(3) var<storage, read_write> outputs: array<f32>;
+@compute @workgroup_size(64)
+fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {{
+    if (id.x >= arrayLength(&inputs) / {width_in}u) {{
+        return;
+    }}
+    let i = id.x * {width_in}u;
+    let o = id.x * {width_out}u;
+    {}
+}}",
+            self.body
+        );
+        text
     }
 }
 

@@ -301,11 +301,11 @@ fn bsdf_new(parameters: Surface, wo: vec3f) -> Bsdf {
     let chance_below = mean_of(below);
     let sum = chance_coat + chance_facets + chance_straight + chance_diffuse + chance_below;
     let scale = select(0.0, 1.0 / max(sum, 1e-30), sum > 0.0);
-    b.choose_coat = chance_coat * scale;
-    b.choose_facets = chance_facets * scale;
-    b.choose_straight = chance_straight * scale;
-    b.choose_diffuse = chance_diffuse * scale;
-    b.choose_below = chance_below * scale;
+    b.choose_coat = scaled_chance(chance_coat, scale);
+    b.choose_facets = scaled_chance(chance_facets, scale);
+    b.choose_straight = scaled_chance(chance_straight, scale);
+    b.choose_diffuse = scaled_chance(chance_diffuse, scale);
+    b.choose_below = scaled_chance(chance_below, scale);
     if (is_thin && chance_diffuse > 0.0) {
         // Light samples look for the reflected part, too, however small it is
         b.choose_through = b.choose_diffuse * min(mean_of(through) / chance_diffuse, 0.99);
@@ -314,6 +314,11 @@ fn bsdf_new(parameters: Surface, wo: vec3f) -> Bsdf {
     let under = (reflection + glass) * b.coat_transmittance;
     b.albedo = min(vec3f(coat) + under + exchange + matte + through + below, vec3f(1.0));
     return b;
+}
+
+// A number whose inverse is infinite makes no weight.
+fn scaled_chance(chance: f32, scale: f32) -> f32 {
+    return select(chance * scale, 0.0, chance * scale < 1.2e-38);
 }
 
 // Share of light that single scattering by a white metal's facets keeps.

@@ -13,6 +13,9 @@ const CASE_WORDS: usize = SURFACE_WORDS + 6;
 /// Cases that a device answers at a time: their buffers are smaller than every device's largest.
 const MOST_CASES: usize = 1 << 18;
 
+/// Cells of a furnace's numbers along each of their three axes: the laws allow for the errors of the means.
+pub(super) const FURNACE_SIDE: usize = 12;
+
 /// Reads a surface whose tables are the only ones.
 const READ: &str = "
 fn triple_at(i: u32) -> vec3f {

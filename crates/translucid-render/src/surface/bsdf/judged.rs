@@ -4,6 +4,9 @@ use glam::Vec3;
 
 use super::{Bsdf, BsdfSample, BsdfValue, EntryBsdf, MaterialTables, SurfaceParameters};
 
+/// Cells of a furnace's numbers along each of their three axes.
+pub(super) const FURNACE_SIDE: usize = 24;
+
 /// Values for light from directions, of surfaces that are seen from others.
 pub(super) fn eval(
     tables: &MaterialTables,

@@ -94,22 +94,26 @@ pub(super) fn white() -> SurfaceParameters {
     SurfaceParameters { base_color: Vec3::ONE, surface_albedo: Vec3::ONE, ..SurfaceParameters::default() }
 }
 
-/// Mean and standard error of the weight under uniform unit light, subsurface scattering returning its A
+/// Means and standard errors of the weights under uniform unit light, subsurface scattering returning its A
 /// times the tint of the coat on entry.
 fn furnaces(tables: &MaterialTables, cases: &[(SurfaceParameters, Vec3)]) -> Vec<(f64, f64)> {
-    const SIDE: usize = 24;
+    // A few at a time, for memory
+    cases.chunks(16).flat_map(|cases| furnaces_at_once(tables, cases)).collect()
+}
+
+fn furnaces_at_once(tables: &MaterialTables, cases: &[(SurfaceParameters, Vec3)]) -> Vec<(f64, f64)> {
+    const SIDE: usize = judged::FURNACE_SIDE;
     const COUNT: usize = SIDE * SIDE * SIDE;
-    let samples = judged::sample(
-        tables,
-        cases.iter().flat_map(|&(p, wo)| {
-            let mut random = Random::of(7);
-            (0..COUNT).map(move |k| {
-                let cell = |i: usize, x: f32| ((i % SIDE) as f32 + x) / SIDE as f32;
-                let v = [cell(k / SIDE, random.next()), cell(k / (SIDE * SIDE), random.next())];
-                (p, wo, [cell(k, random.next()), v[0], v[1]])
-            })
-        }),
-    );
+    let numbers = || {
+        let mut random = Random::of(7);
+        (0..COUNT).map(move |k| {
+            let cell = |i: usize, x: f32| ((i % SIDE) as f32 + x) / SIDE as f32;
+            let v = [cell(k / SIDE, random.next()), cell(k / (SIDE * SIDE), random.next())];
+            [cell(k, random.next()), v[0], v[1]]
+        })
+    };
+    let drawn = cases.iter().flat_map(|&(p, wo)| numbers().map(move |numbers| (p, wo, numbers)));
+    let samples = judged::sample(tables, drawn);
     let of_case = |(samples, (p, _)): (&[Option<BsdfSample>], &(SurfaceParameters, Vec3))| {
         let entry_tint = (1.0 + (p.coat_color.y - 1.0) * p.coat_weight).sqrt();
         let (mut sum, mut squares) = (0.0, 0.0);

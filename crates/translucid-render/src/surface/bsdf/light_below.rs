@@ -1,5 +1,7 @@
 //! Laws of the light from below a surface, as tests of the renderer's own choices.
 
+use glam::Vec3;
+
 use super::laws::{Random, direction, white};
 use super::{Bsdf, BsdfSample, EntryBsdf, MaterialTables, SurfaceParameters};
 

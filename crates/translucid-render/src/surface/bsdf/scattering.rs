@@ -97,13 +97,15 @@ struct Strategies {
 impl Strategies {
     fn normalized(self) -> Self {
         let sum = self.coat + self.facets + self.straight + self.diffuse + self.subsurface;
-        let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let scale = if sum >= f32::MIN_POSITIVE { 1.0 / sum } else { 0.0 };
+        // A number whose inverse is infinite makes no weight
+        let scaled = |chance: f32| if chance * scale < f32::MIN_POSITIVE { 0.0 } else { chance * scale };
         Self {
-            coat: self.coat * scale,
-            facets: self.facets * scale,
-            straight: self.straight * scale,
-            diffuse: self.diffuse * scale,
-            subsurface: self.subsurface * scale,
+            coat: scaled(self.coat),
+            facets: scaled(self.facets),
+            straight: scaled(self.straight),
+            diffuse: scaled(self.diffuse),
+            subsurface: scaled(self.subsurface),
         }
     }
 }
