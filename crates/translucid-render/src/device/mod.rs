@@ -2,4 +2,4 @@
 
 mod lights;
 
-pub use lights::{LightWords, light_set, lights};
+pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};

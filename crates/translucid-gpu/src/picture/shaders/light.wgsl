@@ -31,7 +31,6 @@ const NO_TRIANGLE = 0xffffffffu;
 const INFINITE_DISTANCE = 1e30f;
 // A density up to which a sample counts.
 const GREATEST_DENSITY = 1e37f;
-const PI = 3.14159265358979f;
 
 struct LightSample {
     // Unit vector toward the light.
