@@ -7,7 +7,7 @@ mod scenes;
 
 use glam::Vec3;
 use translucid_render::device::{LIGHT_CONSTANTS, LightWords, light_set, lights};
-use translucid_render::measure::{LightSample, LightSet};
+use translucid_render::measure::LightSample;
 use translucid_testing::SplitMix;
 
 use super::evaluate::Evaluation;
@@ -116,8 +116,9 @@ fn receivers(count: usize, seed: u64) -> Vec<(Vec3, Vec3)> {
     (0..count).map(receiver).collect()
 }
 
-/// Means with standard errors of what samples estimate: 1, x, y and z of the direction, weighed with the radiance.
-#[derive(Default)]
+/// Means with standard errors of what samples estimate: the moments 1, x, y and z of the light about a point, or where there is
+/// a normal the irradiance.
+#[derive(Clone, Default)]
 struct Moments {
     count: f64,
     sums: [f64; 4],
@@ -125,12 +126,17 @@ struct Moments {
 }
 
 impl Moments {
-    fn add(&mut self, sample: Option<&LightSample>) {
+    fn add(&mut self, normal: Vec3, sample: Option<&LightSample>) {
         self.count += 1.0;
         let Some(sample) = sample else { return };
         let weight = f64::from(sample.radiance.x) / f64::from(sample.pdf);
-        let [x, y, z] = sample.direction.to_array().map(f64::from);
-        for (k, moment) in [1.0, x, y, z].into_iter().enumerate() {
+        let direction = sample.direction.to_array().map(f64::from);
+        let moments = if normal == Vec3::ZERO {
+            [1.0, direction[0], direction[1], direction[2]]
+        } else {
+            [f64::from(sample.direction.dot(normal).max(0.0)), 0.0, 0.0, 0.0]
+        };
+        for (k, moment) in moments.into_iter().enumerate() {
             self.sums[k] += weight * moment;
             self.squares[k] += (weight * moment).powi(2);
         }
@@ -143,62 +149,38 @@ impl Moments {
     }
 }
 
-fn assert_means(case: &Case, set: &LightSet, words: &LightWords, at: (Vec3, Vec3)) {
-    let count = 1 << 14;
-    let (mut ours, mut expected) = (Moments::default(), Moments::default());
-    for drawn in samples(words, &vec![at; count], 3) {
-        ours.add(drawn.map(|drawn| drawn.sample).as_ref());
-    }
-    let mut random = SplitMix(4);
-    for _ in 0..count {
-        let [a, b, c] = [(); 3].map(|()| random.uniform_f32());
-        expected.add(set.sample(at.0, at.1, a, [b, c]).as_ref());
-    }
-    let whole = expected.mean(0).0;
-    for k in 0..4 {
-        let ((a, a2), (b, b2)) = (ours.mean(k), expected.mean(k));
-        let error = (a2 + b2).sqrt();
-        let allowed = 4.5 * error + 2e-5 * whole;
-        assert!((a - b).abs() <= allowed, "{} at {at:?}: moment {k} is {a}, not {b}, ± {error}", case.name);
-    }
-}
-
 #[test]
 fn samples_have_the_means_of_the_processor() {
+    let mut random = SplitMix(3);
     for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many()]) {
         let (set, words) = (light_set(&case.prepared), lights(&case.prepared).unwrap());
-        for &point in &case.points {
-            assert_means(&case, set, &words, (point, Vec3::ZERO));
-        }
-        assert_horizon(&case, set, &words);
-    }
-}
-
-/// What lies above the horizon alone counts where there is a normal.
-fn assert_horizon(case: &Case, set: &LightSet, words: &LightWords) {
-    let mut random = SplitMix(5);
-    let count = 1 << 14;
-    for &point in &case.points {
-        let normal = direction(&mut random);
-        let above = |sample: &LightSample| sample.direction.dot(normal) > 1e-3;
-        let (mut ours, mut expected) = (Moments::default(), Moments::default());
-        for drawn in samples(words, &vec![(point, normal); count], 6) {
-            ours.add(drawn.map(|drawn| drawn.sample).filter(above).as_ref());
-        }
-        for _ in 0..count {
+        let places: Vec<(Vec3, Vec3)> = case
+            .points
+            .iter()
+            .flat_map(|&point| [(point, Vec3::ZERO), (point, direction(&mut random)), (point, Vec3::Z)])
+            .collect();
+        let at: Vec<_> = places.iter().copied().cycle().take(1 << 17).collect();
+        let mut means = vec![[Moments::default(), Moments::default()]; places.len()];
+        for (index, drawn) in samples(&words, &at, 4).into_iter().enumerate() {
+            let place = index % places.len();
+            let (point, normal) = places[place];
+            let [ours, expected] = &mut means[place];
+            ours.add(normal, drawn.map(|drawn| drawn.sample).as_ref());
             let [a, b, c] = [(); 3].map(|()| random.uniform_f32());
-            expected.add(set.sample(point, normal, a, [b, c]).filter(above).as_ref());
+            expected.add(normal, set.sample(point, normal, a, [b, c]).as_ref());
         }
-        let cosine = |moments: &Moments| -> (f64, f64) {
-            let along = normal.to_array().map(f64::from);
-            let mean = (0..3).map(|k| along[k] * moments.mean(k + 1).0).sum();
-            // No more than the sum of the errors
-            let error: f64 = (0..3).map(|k| along[k].abs() * moments.mean(k + 1).1.sqrt()).sum();
-            (mean, error * error)
-        };
-        let ((a, a2), (b, b2)) = (cosine(&ours), cosine(&expected));
-        let allowed = 4.5 * (a2 + b2).sqrt() + 2e-5 * expected.mean(0).0;
-        assert!((a - b).abs() <= allowed, "{} at {point}, {normal}: {a}, not {b}, ± {allowed}", case.name);
+        for ([ours, expected], at) in means.iter().zip(&places) {
+            for k in 0..4 {
+                let ((a, a2), (b, b2)) = (ours.mean(k), expected.mean(k));
+                let error = (a2 + b2).sqrt();
+                let allowed = 4.5 * error + 2e-5 * expected.mean(0).0;
+                assert!(
+                    (a - b).abs() <= allowed,
+                    "{} at {at:?}: mean {k} is {a}, not {b}, ± {error}",
+                    case.name
+                );
+            }
+        }
     }
 }
 
@@ -209,7 +191,7 @@ fn samples_state_the_density_of_the_queries() {
     for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many()]) {
         let words = lights(&case.prepared).unwrap();
         let mut at = receivers(12_000, 7);
-        at.extend(case.points.iter().flat_map(|&point| vec![(point, Vec3::ZERO); 1000]));
+        at.extend(case.points.iter().map(|&point| (point, Vec3::ZERO)).cycle().take(4000));
         let (mut compared, mut off, mut missed, mut worst) = (0, 0, 0, 0.0_f32);
         for (drawn, at) in samples(&words, &at, 8).into_iter().zip(&at) {
             let Some(Drawn { sample, queried }) = drawn.filter(|drawn| !drawn.sample.is_delta) else {
@@ -223,7 +205,9 @@ fn samples_state_the_density_of_the_queries() {
             let error = (queried / sample.pdf - 1.0).abs();
             if error > 1e-3 {
                 off += 1;
-                println!("{} {at:?}: {sample:?}, {queried}", case.name);
+                if error > 1e-2 {
+                    println!("{} {at:?}: {sample:?}, {queried}", case.name);
+                }
             } else {
                 worst = worst.max(error);
             }
@@ -247,7 +231,7 @@ fn delta_lights_are_those_of_the_processor() {
             match (drawn, set.sample(at.0, at.1, 0.5, [0.5; 2])) {
                 (Some(Drawn { sample, .. }), Some(expected)) => {
                     compared += 1;
-                    assert!(sample.is_delta && sample.pdf == 1.0, "{}: {sample:?}", case.name);
+                    assert!(sample.is_delta && (sample.pdf - 1.0).abs() < 1e-6, "{}: {sample:?}", case.name);
                     assert!(
                         (sample.direction - expected.direction).length() < 2e-6,
                         "{at:?}: {sample:?}, {expected:?}"
@@ -311,7 +295,7 @@ fn rays_meet_the_lights_of_the_processor() {
                 && (found[1] - radiance).abs() <= 1e-3 * radiance + 1e-5 * RED;
             differ += u32::from(!is_equal);
         }
-        assert!(hits > 500 && differ * 200 < hits, "{}: {hits} hits, {differ} differ", case.name);
+        assert!(hits > 200 && differ * 200 < hits, "{}: {hits} hits, {differ} differ", case.name);
     }
 }
 

@@ -57,20 +57,37 @@ fn nearest_offset(seen: SeenRectangle) -> vec2f {
     return max(max(seen.low, -seen.high), vec2f(0.0));
 }
 
-// Solid angle of the rectangle, or of the part of it between two x, relative to 1e-6: that of two triangles [A. van Oosterom &
-// J. Strackee 1983, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30].
+// Solid angle of the rectangle, relative to 1e-6. Its parts in the four quadrants about the foot of the point are added:
+// within a quadrant nothing cancels.
 fn rectangle_solid_angle(seen: SeenRectangle) -> f32 {
+    var sum = 0.0;
+    for (var quadrant = 0u; quadrant < 4u; quadrant++) {
+        let is_mirrored = vec2((quadrant & 1u) != 0u, (quadrant & 2u) != 0u);
+        let low = select(seen.low, -seen.high, is_mirrored);
+        let high = select(seen.high, -seen.low, is_mirrored);
+        let begin = max(low, vec2f(0.0));
+        if (all(high > begin)) {
+            let size = select(high - begin, seen.size, low >= vec2f(0.0));
+            sum += quadrant_solid_angle(begin, high, size, -seen.z);
+        }
+    }
+    return sum;
+}
+
+// The solid angle of two triangles [A. van Oosterom & J. Strackee 1983, "The Solid Angle of a Plane Triangle", IEEE Trans.
+// Biomed. Eng. 30].
+fn quadrant_solid_angle(low: vec2f, high: vec2f, size: vec2f, z: f32) -> f32 {
     let corners = vec4f(
-        length(vec3f(seen.low, seen.z)),
-        length(vec3f(seen.high.x, seen.low.y, seen.z)),
-        length(vec3f(seen.high, seen.z)),
-        length(vec3f(seen.low.x, seen.high.y, seen.z)),
+        length(vec3f(low, z)),
+        length(vec3f(high.x, low.y, z)),
+        length(vec3f(high, z)),
+        length(vec3f(low.x, high.y, z)),
     );
-    let a = vec3f(seen.low, seen.z) / corners.x;
-    let b = vec3f(seen.high.x, seen.low.y, seen.z) / corners.y;
-    let c = vec3f(seen.high, seen.z) / corners.z;
-    let d = vec3f(seen.low.x, seen.high.y, seen.z) / corners.w;
-    let volume = (seen.size.x / corners.x) * (seen.size.y / corners.z) * -seen.z;
+    let a = vec3f(low, z) / corners.x;
+    let b = vec3f(high.x, low.y, z) / corners.y;
+    let c = vec3f(high, z) / corners.z;
+    let d = vec3f(low.x, high.y, z) / corners.w;
+    let volume = (size.x / corners.x) * (size.y / corners.z) * z;
     let diagonal = 1.0 + dot(a, c);
     let first = turns_of(volume / corners.y, diagonal + dot(a, b) + dot(b, c));
     let second = turns_of(volume / corners.w, diagonal + dot(a, d) + dot(d, c));
