@@ -8,7 +8,7 @@ mod scenes;
 use glam::Vec3;
 use translucid_render::device::{LIGHT_CONSTANTS, LightWords, light_set, lights};
 use translucid_render::measure::LightSample;
-use translucid_testing::SplitMix;
+use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;
 use scenes::{Case, RED, all_kinds, delta_lights, many, maps, single_lights};
@@ -159,7 +159,7 @@ fn samples_have_the_means_of_the_processor() {
             .iter()
             .flat_map(|&point| [(point, Vec3::ZERO), (point, direction(&mut random)), (point, Vec3::Z)])
             .collect();
-        let at: Vec<_> = places.iter().copied().cycle().take(1 << 17).collect();
+        let at: Vec<_> = places.iter().copied().cycle().take(power(1 << 18) as usize).collect();
         let mut means = vec![[Moments::default(), Moments::default()]; places.len()];
         for (index, drawn) in samples(&words, &at, 4).into_iter().enumerate() {
             let place = index % places.len();
@@ -184,15 +184,15 @@ fn samples_have_the_means_of_the_processor() {
     }
 }
 
-/// MIS needs it. Beyond the tolerance may lie what has its direction from a rim: rounding moves it over the edge of a cell of
-/// the sky, or off the light.
+/// MIS needs it. Off by more than 1e-3 is what lies at the rim of an ellipse that is seen at a slant: the strip there is short,
+/// and its place has few digits. A ray may miss the rim of a light, or meet another light before it.
 #[test]
 fn samples_state_the_density_of_the_queries() {
     for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many()]) {
         let words = lights(&case.prepared).unwrap();
         let mut at = receivers(12_000, 7);
         at.extend(case.points.iter().map(|&point| (point, Vec3::ZERO)).cycle().take(4000));
-        let (mut compared, mut off, mut missed, mut worst) = (0, 0, 0, 0.0_f32);
+        let (mut compared, mut off, mut missed) = (0, 0, 0);
         for (drawn, at) in samples(&words, &at, 8).into_iter().zip(&at) {
             let Some(Drawn { sample, queried }) = drawn.filter(|drawn| !drawn.sample.is_delta) else {
                 continue;
@@ -203,21 +203,12 @@ fn samples_state_the_density_of_the_queries() {
                 continue;
             }
             let error = (queried / sample.pdf - 1.0).abs();
-            if error > 1e-3 {
-                off += 1;
-                if error > 1e-2 {
-                    println!("{} {at:?}: {sample:?}, {queried}", case.name);
-                }
-            } else {
-                worst = worst.max(error);
-            }
+            off += u32::from(error > 1e-3);
+            assert!(error < 0.05, "{} at {at:?}: {queried} from queries, {sample:?}", case.name);
         }
-        println!("{}: {compared} compared, {missed} missed, {off} off, else {worst:.1e}", case.name);
-        assert!(
-            compared > 1000 && (missed + off) * 200 < compared,
-            "{}: {missed} missed, {off} off",
-            case.name
-        );
+        let (name, is_ellipse) = (case.name, case.name.contains("ellipse"));
+        assert!(compared > 1000 && missed * 200 < compared, "{name}: {missed} of {compared} missed");
+        assert!(off * 200 < compared && (is_ellipse || off == 0), "{name}: {off} of {compared} off");
     }
 }
 
