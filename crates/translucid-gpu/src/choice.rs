@@ -75,7 +75,7 @@ fn open_walker(_: &str) -> Result<(Box<dyn Device + Send>, String), String> {
 fn open_tracer(name: &str) -> Result<(Arc<dyn TracingDevice>, String), String> {
     let gpu = crate::device::Gpu::open(name)?;
     let name = gpu.name().to_owned();
-    Ok((Arc::new(gpu), name))
+    Ok((Arc::new(crate::picture::Tracer::new(gpu)?), name))
 }
 
 #[cfg(not(feature = "device"))]

@@ -31,3 +31,5 @@ pub use choice::{Choice, devices};
 pub use description::DeviceDescription;
 #[cfg(feature = "device")]
 pub use device::Gpu;
+#[cfg(feature = "device")]
+pub use picture::Tracer;

@@ -2,22 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 use crate::device::{Gpu, devices};
 
 /// The device of the tests: `TRANSLUCID_DEVICE` names it, else it is the first that the system has, of any kind.
-pub(crate) fn gpu() -> &'static Arc<Gpu> {
-    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
-    let first =
-        || devices().into_iter().next().expect("a device: on a machine without one, Mesa's llvmpipe").name;
-    let open = || Gpu::open(&std::env::var("TRANSLUCID_DEVICE").unwrap_or_else(|_| first())).unwrap();
-    GPU.get_or_init(|| Arc::new(open()))
+pub(crate) fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(open)
 }
 
-/// The device of the tests, to be kept.
-pub(crate) fn shared() -> Arc<Gpu> {
-    Arc::clone(gpu())
+pub(crate) fn open() -> Gpu {
+    let first =
+        || devices().into_iter().next().expect("a device: on a machine without one, Mesa's llvmpipe").name;
+    Gpu::open(&std::env::var("TRANSLUCID_DEVICE").unwrap_or_else(|_| first())).unwrap()
 }
 
 /// Statements of WGSL, run for every input.

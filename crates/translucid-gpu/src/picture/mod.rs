@@ -8,6 +8,8 @@ mod camera;
 #[cfg(test)]
 mod evaluate;
 #[cfg(test)]
+mod light_tests;
+#[cfg(test)]
 mod surface_tests;
 #[cfg(test)]
 mod tests;
@@ -82,37 +84,21 @@ const SLOTS: (u32, u32) = (1 << 17, 1 << 12);
 /// Rounds between two looks at the counters, at most.
 const MOST_ROUNDS: u32 = 256;
 
-impl TracingDevice for Gpu {
-    fn name(&self) -> &str {
-        Self::name(self)
-    }
-
-    fn limits(&self) -> DeviceLimits {
-        DeviceLimits { array_bytes: self.device.limits().max_storage_buffer_binding_size }
-    }
-
-    fn open(self: Arc<Self>, scene: &DeviceScene) -> Result<Box<dyn PathTracing>, String> {
-        Ok(Box::new(Tracing::new(self, scene)?))
-    }
-}
-
-/// A scene on a device.
-struct Tracing {
-    gpu: Arc<Gpu>,
-    slots: u32,
+/// A device that traces pictures: its kernels are made once for all scenes.
+#[derive(Debug)]
+pub struct Tracer {
+    gpu: Gpu,
     kernels: Vec<(wgpu::ComputePipeline, u32)>,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
-    scene: [wgpu::Buffer; 5],
-    states: wgpu::Buffer,
-    queues: wgpu::Buffer,
-    counters_read: wgpu::Buffer,
-    rounds: u32,
+    slots: u32,
 }
 
-impl Tracing {
-    fn new(gpu: Arc<Gpu>, scene: &DeviceScene) -> Result<Self, String> {
-        use wgpu::BufferUsages as Usage;
+impl Tracer {
+    /// A tracer on a device.
+    ///
+    /// # Errors
+    /// The device cannot be used.
+    pub fn new(gpu: Gpu) -> Result<Self, String> {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
@@ -125,8 +111,7 @@ impl Tracing {
             immediate_size: 0,
         });
         let constants = [("group_size", f64::from(gpu.group()))];
-        let kernels = KERNELS.map(|(name, share)| {
-            eprintln!("{name}");
+        let kernel = |(name, share)| {
             let kernel = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(name),
                 layout: Some(&pipeline_layout),
@@ -139,15 +124,57 @@ impl Tracing {
                 cache: None,
             });
             (kernel, share)
-        });
+        };
+        let kernels = KERNELS.map(kernel).into();
         gpu.check()?;
         let slots = if gpu.is_graphics_processor() { SLOTS.0 } else { SLOTS.1 };
+        Ok(Self { gpu, kernels, layout, slots })
+    }
+
+    /// Traces so many paths at a time, which has no part in the pictures.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_slots(self, slots: u32) -> Self {
+        Self { slots: slots.clamp(1, SLOTS.0), ..self }
+    }
+}
+
+impl TracingDevice for Tracer {
+    fn name(&self) -> &str {
+        self.gpu.name()
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        DeviceLimits { array_bytes: self.gpu.device.limits().max_storage_buffer_binding_size }
+    }
+
+    fn open(self: Arc<Self>, scene: &DeviceScene) -> Result<Box<dyn PathTracing>, String> {
+        Ok(Box::new(Tracing::new(self, scene)?))
+    }
+}
+
+/// A scene on a device.
+struct Tracing {
+    tracer: Arc<Tracer>,
+    settings: wgpu::Buffer,
+    scene: [wgpu::Buffer; 5],
+    states: wgpu::Buffer,
+    queues: wgpu::Buffer,
+    counters_read: wgpu::Buffer,
+    rounds: u32,
+}
+
+impl Tracing {
+    fn new(tracer: Arc<Tracer>, scene: &DeviceScene) -> Result<Self, String> {
+        use wgpu::BufferUsages as Usage;
+        let Tracer { gpu, slots, .. } = &*tracer;
+        let slots = u64::from(*slots);
         let filled = |words: &[u32]| {
             let buffer = gpu.buffer(4 * words.len().max(8) as u64, Usage::STORAGE | Usage::COPY_DST);
             gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
             buffer
         };
-        let scene = [
+        let on_device = [
             if scene.nodes.is_empty() { filled(&EMPTY_NODE) } else { filled(&scene.nodes) },
             filled(&scene.triangles),
             filled(bytemuck::cast_slice(&scene.attributes)),
@@ -156,15 +183,14 @@ impl Tracing {
         ];
         let lists = LIST_COUNTERS.end - LIST_COUNTERS.start;
         let settings = gpu.buffer(4 * camera::SETTINGS as u64, Usage::UNIFORM | Usage::COPY_DST);
-        let states = gpu.buffer(SLOT_BYTES * u64::from(slots), Usage::STORAGE | Usage::COPY_DST);
+        let states = gpu.buffer(SLOT_BYTES * slots, Usage::STORAGE | Usage::COPY_DST);
         let queues = gpu.buffer(
-            4 * (COUNTERS + lists * u64::from(slots)),
+            4 * (COUNTERS + lists * slots),
             Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC,
         );
         let counters_read = gpu.buffer(4 * COUNTERS, Usage::MAP_READ | Usage::COPY_DST);
         gpu.check()?;
-        let kernels = kernels.into();
-        Ok(Self { gpu, slots, kernels, layout, settings, scene, states, queues, counters_read, rounds: 1 })
+        Ok(Self { settings, scene: on_device, states, queues, counters_read, rounds: 1, tracer })
     }
 
     fn group(&self, samples: &wgpu::Buffer) -> wgpu::BindGroup {
@@ -175,9 +201,9 @@ impl Tracing {
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
-        self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        self.tracer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
-            layout: &self.layout,
+            layout: &self.tracer.layout,
             entries: &entries,
         })
     }
@@ -185,16 +211,16 @@ impl Tracing {
     /// Rounds, and how many samples are done after them.
     fn advance(&mut self, group: &wgpu::BindGroup) -> Result<u32, String> {
         let start = Instant::now();
-        let gpu = &self.gpu;
+        let Tracer { gpu, kernels, slots, .. } = &*self.tracer;
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for _ in 0..self.rounds {
             let Range { start, end } = LIST_COUNTERS;
             encoder.clear_buffer(&self.queues, 4 * start, Some(4 * (end - start)));
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_bind_group(0, group, &[]);
-            for (kernel, share) in &self.kernels {
+            for (kernel, share) in kernels {
                 pass.set_pipeline(kernel);
-                pass.dispatch_workgroups((share * self.slots).div_ceil(gpu.group()), 1, 1);
+                pass.dispatch_workgroups((share * slots).div_ceil(gpu.group()), 1, 1);
             }
         }
         encoder.copy_buffer_to_buffer(&self.queues, 0, &self.counters_read, 0, 4 * COUNTERS);
@@ -215,18 +241,19 @@ impl PathTracing for Tracing {
         stop: &AtomicBool,
     ) -> Result<Option<Vec<PixelSample>>, String> {
         use wgpu::BufferUsages as Usage;
+        let gpu = &Arc::clone(&self.tracer).gpu;
         let items = (view.region().area() * numbers.len() as u64) as u32;
-        let words = camera::settings(view, numbers.start, items, self.slots);
+        let words = camera::settings(view, numbers.start, items, self.tracer.slots);
         let bytes = 4 * (items as usize * SAMPLE_WORDS) as u64;
-        let samples = self.gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
-        let read = self.gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
-        self.gpu.check()?;
+        let samples = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
+        let read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
+        gpu.check()?;
         let group = self.group(&samples);
-        self.gpu.queue.write_buffer(&self.settings, 0, bytemuck::cast_slice(&words));
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        gpu.queue.write_buffer(&self.settings, 0, bytemuck::cast_slice(&words));
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&self.states, 0, None);
         encoder.clear_buffer(&self.queues, 0, None);
-        self.gpu.queue.submit([encoder.finish()]);
+        gpu.queue.submit([encoder.finish()]);
         loop {
             let done = self.advance(&group)?;
             progress(done.into());
@@ -237,10 +264,10 @@ impl PathTracing for Tracing {
                 return Ok(None);
             }
         }
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&samples, 0, &read, 0, bytes);
-        self.gpu.queue.submit([encoder.finish()]);
-        let words = self.gpu.read(&read)?;
+        gpu.queue.submit([encoder.finish()]);
+        let words = gpu.read(&read)?;
         Ok(Some(words.as_chunks().0.iter().map(sample).collect()))
     }
 }

@@ -1,5 +1,7 @@
 //! Pictures of a device against those of the processor.
 
+use std::sync::OnceLock;
+
 use translucid_render::{FilmLayer, Plan, PreparedScene, Session};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel,
@@ -24,8 +26,13 @@ fn slots_have_the_size_of_the_shaders() {
     assert_eq!(span.map(u64::from), Some(SLOT_BYTES));
 }
 
+fn tracer() -> &'static Arc<Tracer> {
+    static TRACER: OnceLock<Arc<Tracer>> = OnceLock::new();
+    TRACER.get_or_init(|| Arc::new(Tracer::new(evaluate::open()).unwrap()))
+}
+
 /// Means of a picture's layers, over pixels, in runs with different seeds.
-fn means(scene: &Scene, runs: u64, samples: u32, device: Option<&Arc<Gpu>>) -> Vec<[f64; 25]> {
+fn means(scene: &Scene, runs: u64, samples: u32, device: Option<&Arc<Tracer>>) -> Vec<[f64; 25]> {
     let run = |seed: u64| {
         let mut scene = scene.clone();
         scene.integrator.seed = seed;
@@ -44,7 +51,7 @@ fn means(scene: &Scene, runs: u64, samples: u32, device: Option<&Arc<Gpu>>) -> V
     (0..runs).map(run).collect()
 }
 
-fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Gpu>>) -> Session {
+fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Tracer>>) -> Session {
     let prepared = PreparedScene::new(scene.clone()).unwrap();
     let view = prepared.view().unwrap();
     let mut session = Session::new(prepared, view);
@@ -60,7 +67,7 @@ fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Gpu>>) -> Session {
 /// With 8 runs on each side, Welch's t of a channel is beyond 7 by chance in less than 1 of 1e5 cases.
 fn check(name: &str, scene: &Scene, samples: u32) {
     let runs = 8;
-    let both = [None, Some(evaluate::gpu())].map(|device| means(scene, runs, samples, device));
+    let both = [None, Some(tracer())].map(|device| means(scene, runs, samples, device));
     for channel in 0..25 {
         let [ours, theirs] = both.each_ref().map(|runs| {
             let n = runs.len() as f64;

@@ -32,7 +32,7 @@ use std::f64::consts::TAU;
 use glam::{Mat3, Vec3};
 use translucid_scene::SceneError;
 
-use crate::light::{EnvironmentMap, LightSet, PlacedLight, Sky};
+use crate::light::{EnvironmentMap, LightSet, PlacedLight, Rectangle, Sky};
 use crate::render::PreparedScene;
 
 /// Words of the head, of a placed light, of a triangle and of an image.
@@ -42,15 +42,32 @@ const TRIANGLE_WORDS: usize = 12;
 const MAP_HEADER: usize = 24;
 
 /// Kinds of placed lights.
-const RECTANGLE: f32 = 0.0;
-const ELLIPSE: f32 = 1.0;
-const SPHERE: f32 = 2.0;
-const SPOT: f32 = 3.0;
-const BEAM: f32 = 4.0;
-const DISTANT: f32 = 5.0;
-const DISC: f32 = 6.0;
-const SKY: f32 = 7.0;
-const MAP: f32 = 8.0;
+const RECTANGLE: usize = 0;
+const ELLIPSE: usize = 1;
+const SPHERE: usize = 2;
+const SPOT: usize = 3;
+const BEAM: usize = 4;
+const DISTANT: usize = 5;
+const DISC: usize = 6;
+const SKY: usize = 7;
+const MAP: usize = 8;
+
+/// These constants by their names in the shaders.
+pub const LIGHT_CONSTANTS: [(&str, usize); 13] = [
+    ("LIGHT_HEADER", HEADER),
+    ("LIGHT_WORDS", LIGHT_WORDS),
+    ("LIGHT_TRIANGLE_WORDS", TRIANGLE_WORDS),
+    ("MAP_HEADER", MAP_HEADER),
+    ("LIGHT_RECTANGLE", RECTANGLE),
+    ("LIGHT_ELLIPSE", ELLIPSE),
+    ("LIGHT_SPHERE", SPHERE),
+    ("LIGHT_SPOT", SPOT),
+    ("LIGHT_BEAM", BEAM),
+    ("LIGHT_DISTANT", DISTANT),
+    ("LIGHT_DISC", DISC),
+    ("LIGHT_SKY", SKY),
+    ("LIGHT_MAP", MAP),
+];
 
 /// Up to this many lights are weighed for each point.
 const MOST_WEIGHED: usize = 64;
@@ -152,6 +169,11 @@ fn flag(is_set: bool) -> f32 {
     f32::from(u8::from(is_set))
 }
 
+/// The first words of a light: kind, and whether the camera sees its surface.
+fn head(kind: usize, is_visible: bool) -> [f32; 2] {
+    [number(kind), flag(is_visible)]
+}
+
 /// The parts one behind the other.
 fn words(parts: &[&[f32]]) -> Vec<f32> {
     parts.concat()
@@ -159,8 +181,8 @@ fn words(parts: &[&[f32]]) -> Vec<f32> {
 
 fn placed(source: &PlacedLight) -> Vec<f32> {
     let v = |vector: Vec3| vector.to_array();
-    let around = |kind, around: &crate::light::Rectangle| {
-        let head = [kind, flag(around.visible)];
+    let around = |kind, around: &Rectangle| {
+        let head = head(kind, around.visible);
         words(&[
             &head,
             &v(around.radiance),
@@ -175,7 +197,7 @@ fn placed(source: &PlacedLight) -> Vec<f32> {
         PlacedLight::Rectangle(light) => around(RECTANGLE, light),
         PlacedLight::Ellipse(light) => around(ELLIPSE, &light.around),
         PlacedLight::Sphere(light) => {
-            let head = [SPHERE, flag(light.visible)];
+            let head = head(SPHERE, light.visible);
             let cone = light.cone.map_or([0.0; 5], |cone| cone.words());
             words(&[
                 &head,
@@ -185,26 +207,35 @@ fn placed(source: &PlacedLight) -> Vec<f32> {
                 &cone,
             ])
         }
-        PlacedLight::Spot(light) => {
-            words(&[&[SPOT, 0.0], &v(light.intensity), &v(light.position()), &[0.0; 2], &light.cone.words()])
-        }
+        PlacedLight::Spot(light) => words(&[
+            &head(SPOT, false),
+            &v(light.intensity),
+            &v(light.position()),
+            &[0.0; 2],
+            &light.cone.words(),
+        ]),
         PlacedLight::Beam(light) => words(&[
-            &[BEAM, 0.0],
+            &head(BEAM, false),
             &v(light.irradiance),
             &v(light.origin),
             &v(light.direction),
             &[light.radius],
         ]),
         PlacedLight::Distant(light) => match light.disc {
-            None => words(&[&[DISTANT, 0.0], &v(light.irradiance), &v(light.direction)]),
+            None => words(&[&head(DISTANT, false), &v(light.irradiance), &v(light.direction)]),
             Some(disc) => {
                 let radiance = light.radiance(light.direction);
-                words(&[&[DISC, 0.0], &v(radiance), &v(light.direction), &[disc.sin2, disc.one_minus_cos]])
+                words(&[
+                    &head(DISC, false),
+                    &v(radiance),
+                    &v(light.direction),
+                    &[disc.sin2, disc.one_minus_cos],
+                ])
             }
         },
         PlacedLight::Environment(light) => match &light.sky {
-            Sky::Constant(radiance) => words(&[&[SKY, 0.0], &v(*radiance)]),
-            Sky::Map(_) => vec![MAP],
+            Sky::Constant(radiance) => words(&[&head(SKY, false), &v(*radiance)]),
+            Sky::Map(_) => head(MAP, false).to_vec(),
         },
     }
 }

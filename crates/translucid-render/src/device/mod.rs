@@ -17,7 +17,7 @@ mod tables;
 mod triangles;
 
 pub use camera::DeviceCamera;
-pub use lights::{LightWords, light_set, lights};
+pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};
 pub use scene::{DeviceLimits, DeviceScene, Header};
 pub use tables::material_tables;
 

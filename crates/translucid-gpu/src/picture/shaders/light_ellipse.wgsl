@@ -5,8 +5,8 @@
 
 // Where the ellipse begins and ends at x.
 fn ellipse_chord(seen: SeenRectangle, x: f32) -> vec2f {
-    let at = (2.0 * x - seen.low.x - seen.high.x) / (seen.high.x - seen.low.x);
-    let half_chord = 0.5 * (seen.high.y - seen.low.y) * sqrt(max((1.0 - at) * (1.0 + at), 0.0));
+    let at = (2.0 * x - seen.low.x - seen.high.x) / seen.size.x;
+    let half_chord = 0.5 * seen.size.y * sqrt(max((1.0 - at) * (1.0 + at), 0.0));
     let middle = 0.5 * (seen.low.y + seen.high.y);
     return vec2f(middle - half_chord, middle + half_chord);
 }
@@ -40,9 +40,8 @@ fn ellipse_light_sample(at: u32, point: vec3f, u: vec2f) -> LightSample {
         let y = rectangle_y_at(seen, x, ellipse_chord(seen, x), clamp(0.5 * (place.y / chord + 1.0), 0.0, 1.0));
         return plane_light_sample(at, seen, vec2f(x, y), ellipse_strip_pdf(seen, x, sides * solid_angle));
     }
-    let size = seen.high - seen.low;
-    let offset = 0.5 * (seen.low + seen.high + place * size);
-    return plane_light_sample(at, seen, offset, area_light_pdf(seen, offset, 0.25 * PI * size.x * size.y));
+    let offset = 0.5 * (seen.low + seen.high + place * seen.size);
+    return plane_light_sample(at, seen, offset, area_light_pdf(seen, offset, 0.25 * PI * seen.size.x * seen.size.y));
 }
 
 fn ellipse_light_pdf(at: u32, point: vec3f, place: vec3f) -> f32 {
@@ -53,12 +52,11 @@ fn ellipse_light_pdf(at: u32, point: vec3f, place: vec3f) -> f32 {
     let offset = plane_offset(at, point, place);
     if (sampled_solid_angle(seen) > 0.0) {
         let x = clamp(offset.x, seen.low.x, seen.high.x);
-        let left = rectangle_solid_angle(SeenRectangle(seen.low, vec2f(x, seen.high.y), seen.z));
-        let right = rectangle_solid_angle(SeenRectangle(vec2f(x, seen.low.y), seen.high, seen.z));
-        return ellipse_strip_pdf(seen, x, vec2f(left, right));
+        let left = SeenRectangle(seen.low, vec2f(x, seen.high.y), vec2f(x - seen.low.x, seen.size.y), seen.z);
+        let right = SeenRectangle(vec2f(x, seen.low.y), seen.high, vec2f(seen.high.x - x, seen.size.y), seen.z);
+        return ellipse_strip_pdf(seen, x, vec2f(rectangle_solid_angle(left), rectangle_solid_angle(right)));
     }
-    let size = seen.high - seen.low;
-    return area_light_pdf(seen, offset, 0.25 * PI * size.x * size.y);
+    return area_light_pdf(seen, offset, 0.25 * PI * seen.size.x * seen.size.y);
 }
 
 fn ellipse_light_distance(at: u32, origin: vec3f, direction: vec3f) -> f32 {

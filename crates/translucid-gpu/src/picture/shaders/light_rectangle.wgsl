@@ -13,6 +13,8 @@ const LEAST_SOLID_ANGLE = 0.01f;
 struct SeenRectangle {
     low: vec2f,
     high: vec2f,
+    // From afar the difference of the two above has few digits.
+    size: vec2f,
     // Height of its plane: below 0 where it shines on the point.
     z: f32,
 }
@@ -22,7 +24,7 @@ fn seen_rectangle(at: u32, point: vec3f) -> SeenRectangle {
     let offset = light_vector(at + 5u) - point;
     let corner = vec2f(dot(offset, light_vector(at + 8u)), dot(offset, light_vector(at + 11u)));
     let size = vec2f(tables[at + 17u], tables[at + 18u]);
-    return SeenRectangle(corner, corner + size, dot(offset, light_vector(at + 14u)));
+    return SeenRectangle(corner, corner + size, size, dot(offset, light_vector(at + 14u)));
 }
 
 // Estimate of the irradiance: solid angle, seen from afar A cos/d², from near up to 2π, times the height of the highest corner
@@ -32,11 +34,10 @@ fn rectangle_light_importance(at: u32, point: vec3f, normal: vec3f) -> f32 {
     if (seen.z >= 0.0) {
         return 0.0;
     }
-    let size = seen.high - seen.low;
     let middle = length(vec3f(0.5 * (seen.low + seen.high), seen.z));
     var cosine = 1.0;
     if (has_normal(normal)) {
-        let rise = max(vec2f(dot(normal, light_vector(at + 8u)), dot(normal, light_vector(at + 11u))) * size, vec2f(0.0));
+        let rise = max(vec2f(dot(normal, light_vector(at + 8u)), dot(normal, light_vector(at + 11u))) * seen.size, vec2f(0.0));
         let highest = dot(normal, light_vector(at + 5u) - point) + rise.x + rise.y;
         cosine = min(highest / middle, 1.0);
     }
@@ -46,7 +47,7 @@ fn rectangle_light_importance(at: u32, point: vec3f, normal: vec3f) -> f32 {
     // In units of the distance cubes neither overflow nor vanish
     let nearest = nearest_offset(seen) / middle;
     let z = seen.z / middle;
-    let flux = (size.x / middle) * (size.y / middle) * -z;
+    let flux = (seen.size.x / middle) * (seen.size.y / middle) * -z;
     let solid_angle = flux / (dot(nearest, nearest) + z * z + flux * (0.5 / PI));
     return max(light_luminance(light_radiance(at)) * solid_angle * cosine, LEAST_IMPORTANCE);
 }
@@ -56,21 +57,37 @@ fn nearest_offset(seen: SeenRectangle) -> vec2f {
     return max(max(seen.low, -seen.high), vec2f(0.0));
 }
 
-// Solid angle of the rectangle, or of the part of it between two x, relative to 1e-6: that of two triangles [A. van Oosterom &
-// J. Strackee 1983, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30].
+// Solid angle of the rectangle, relative to 1e-6. Its parts in the four quadrants about the foot of the point are added:
+// within a quadrant nothing cancels.
 fn rectangle_solid_angle(seen: SeenRectangle) -> f32 {
+    var sum = 0.0;
+    for (var quadrant = 0u; quadrant < 4u; quadrant++) {
+        let is_mirrored = vec2((quadrant & 1u) != 0u, (quadrant & 2u) != 0u);
+        let low = select(seen.low, -seen.high, is_mirrored);
+        let high = select(seen.high, -seen.low, is_mirrored);
+        let begin = max(low, vec2f(0.0));
+        if (all(high > begin)) {
+            let size = select(high - begin, seen.size, low >= vec2f(0.0));
+            sum += quadrant_solid_angle(begin, high, size, -seen.z);
+        }
+    }
+    return sum;
+}
+
+// The solid angle of two triangles [A. van Oosterom & J. Strackee 1983, "The Solid Angle of a Plane Triangle", IEEE Trans.
+// Biomed. Eng. 30].
+fn quadrant_solid_angle(low: vec2f, high: vec2f, size: vec2f, z: f32) -> f32 {
     let corners = vec4f(
-        length(vec3f(seen.low, seen.z)),
-        length(vec3f(seen.high.x, seen.low.y, seen.z)),
-        length(vec3f(seen.high, seen.z)),
-        length(vec3f(seen.low.x, seen.high.y, seen.z)),
+        length(vec3f(low, z)),
+        length(vec3f(high.x, low.y, z)),
+        length(vec3f(high, z)),
+        length(vec3f(low.x, high.y, z)),
     );
-    let a = vec3f(seen.low, seen.z) / corners.x;
-    let b = vec3f(seen.high.x, seen.low.y, seen.z) / corners.y;
-    let c = vec3f(seen.high, seen.z) / corners.z;
-    let d = vec3f(seen.low.x, seen.high.y, seen.z) / corners.w;
-    let size = seen.high - seen.low;
-    let volume = (size.x / corners.x) * (size.y / corners.z) * -seen.z;
+    let a = vec3f(low, z) / corners.x;
+    let b = vec3f(high.x, low.y, z) / corners.y;
+    let c = vec3f(high, z) / corners.z;
+    let d = vec3f(low.x, high.y, z) / corners.w;
+    let volume = (size.x / corners.x) * (size.y / corners.z) * z;
     let diagonal = 1.0 + dot(a, c);
     let first = turns_of(volume / corners.y, diagonal + dot(a, b) + dot(b, c));
     let second = turns_of(volume / corners.w, diagonal + dot(a, d) + dot(d, c));
@@ -79,12 +96,11 @@ fn rectangle_solid_angle(seen: SeenRectangle) -> f32 {
 
 // The solid angle, or 0 where directions are drawn uniformly in area.
 fn sampled_solid_angle(seen: SeenRectangle) -> f32 {
-    let size = seen.high - seen.low;
     let nearest = nearest_offset(seen);
     let distance_squared = dot(nearest, nearest) + seen.z * seen.z;
     let distance = sqrt(distance_squared);
     // Area × cosine / distance² at the nearest point is no less than the solid angle
-    if ((size.x / distance) * (size.y / distance) * -seen.z <= LEAST_SOLID_ANGLE * distance) {
+    if ((seen.size.x / distance) * (seen.size.y / distance) * -seen.z <= LEAST_SOLID_ANGLE * distance) {
         return 0.0;
     }
     let solid_angle = rectangle_solid_angle(seen);
@@ -108,9 +124,8 @@ fn rectangle_light_sample(at: u32, point: vec3f, u: vec2f) -> LightSample {
         let y = rectangle_y_at(seen, x, vec2f(seen.low.y, seen.high.y), u.y);
         return plane_light_sample(at, seen, vec2f(x, y), 1.0 / solid_angle);
     }
-    let size = seen.high - seen.low;
-    let offset = seen.low + u * size;
-    return plane_light_sample(at, seen, offset, area_light_pdf(seen, offset, size.x * size.y));
+    let offset = seen.low + u * seen.size;
+    return plane_light_sample(at, seen, offset, area_light_pdf(seen, offset, seen.size.x * seen.size.y));
 }
 
 // The sample of a place on the plane.
@@ -133,8 +148,7 @@ fn rectangle_light_pdf(at: u32, point: vec3f, place: vec3f) -> f32 {
     if (solid_angle > 0.0) {
         return 1.0 / solid_angle;
     }
-    let size = seen.high - seen.low;
-    return area_light_pdf(seen, plane_offset(at, point, place), size.x * size.y);
+    return area_light_pdf(seen, plane_offset(at, point, place), seen.size.x * seen.size.y);
 }
 
 fn plane_offset(at: u32, point: vec3f, place: vec3f) -> vec2f {
