@@ -70,3 +70,38 @@ fn devices_walk_continue_and_keep_to_themselves() {
     let message = refused(folder, &format!("{walk} --g 0.99999"));
     assert!(message.contains("g is 0.99999, but a device walks with g in [-0.9999, 0.9999]"), "{message}");
 }
+
+/// A ball under an even sky.
+const BALL: &str = "[[material]]\nname = \"m\"\nsubsurface_weight = 1.0\n[[object]]\nshape = \"sphere\"\nmaterial = \"m\"\n\
+                    [environment]\nradiance = 1\n";
+const RENDER: &str = "render ball.toml --size 16x12 --spp 4 -o ball.exr";
+
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn pictures_are_the_processors_without_devices() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ball.toml"), BALL).unwrap();
+    let message = refused(folder.path(), &format!("{RENDER} --device gpu"));
+    assert!(message.contains("this build of translucid knows no graphics processors"), "{message}");
+    assert!(!folder.path().join("ball.exr").exists());
+    let rendered = run(folder.path(), &format!("{RENDER} --device auto"));
+    assert!(rendered.status.success() && stderr(&rendered).contains("the processor traces: this build"));
+}
+
+/// On the device that `TRANSLUCID_DEVICE` names.
+#[cfg(feature = "gpu")]
+#[test]
+fn devices_render_and_refuse_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let device = std::env::var("TRANSLUCID_DEVICE").expect("a name or a part of one");
+    std::fs::write(folder.join("ball.toml"), BALL).unwrap();
+    stdout(folder, &format!("{RENDER} --device {device}"));
+    assert!(folder.join("ball.exr").exists() && folder.join("ball.png").exists());
+    let dipole = RENDER.replace("ball.exr", "dipole.exr");
+    let message = refused(folder, &format!("{dipole} --device {device} --subsurface dipole"));
+    assert!(message.contains("material m has a subsurface_model with a profile"), "{message}");
+    assert!(!folder.join("dipole.exr").exists());
+    let message = refused(folder, &format!("{RENDER} --device nonesuch"));
+    assert!(message.contains("there is no device \"nonesuch\""), "{message}");
+}

@@ -1,8 +1,8 @@
 //! Pictures on graphics processors: the path tracer of `translucid-render` in WGSL.
 //!
-//! A path is a slot of a buffer. In a round each kernel works off the slots that wait for it: rays, surfaces, flights of walks,
-//! light samples ([`shaders/kernels.wgsl`](https://github.com/translucid/translucid)); nothing is followed to its end in one
-//! call. What a sample is depends on its seed, pixel and number alone.
+//! A path is a slot of a buffer. In a round each kernel works off the slots that wait for it (`shaders/kernels.wgsl`): rays,
+//! surfaces, flights of walks, light samples. Nothing is followed to its end in one call, and a sample is a function of seed,
+//! pixel and number alone, whichever slot it had.
 
 mod camera;
 #[cfg(test)]
@@ -55,12 +55,7 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/light_directions.wgsl"),
     include_str!("shaders/light_tables.wgsl"),
 ];
-fn text() -> String {
-    if let Ok(dir) = std::env::var("SHADERS") {
-        return std::fs::read_dir(dir).unwrap().map(|e| std::fs::read_to_string(e.unwrap().path()).unwrap()).collect();
-    }
-    SHADERS.concat()
-}
+
 /// The kernels of a round, and how many slots one invocation each they need.
 const KERNELS: [(&str, u32); 8] = [
     ("begin_samples", 1),
@@ -72,7 +67,7 @@ const KERNELS: [(&str, u32); 8] = [
     ("sample_lights", 1),
     ("scatter_paths", 1),
 ];
-/// Bytes of a slot.
+/// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
 const SLOT_BYTES: u64 = 1008;
 /// Counters before the lists of slots, those of the lists, and the lists.
 const COUNTERS: u64 = 9;
@@ -102,7 +97,7 @@ impl Tracer {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(text().into()),
+            source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
         });
         let layout = bindings(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
