@@ -4,6 +4,8 @@
 //! roundings: so a result may differ by as much as the renderer's own changes when its inputs move by roundings, and by
 //! a few roundings of its own.
 
+#![allow(clippy::print_stdout, reason = "the errors are for those who ask with --nocapture")]
+
 use glam::Vec3;
 use translucid_render::measure::bsdf::{
     Bsdf, BsdfSample, BsdfValue, EntryBsdf, Lobe, MaterialTables, Slab, SurfaceParameters,
