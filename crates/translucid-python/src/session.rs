@@ -131,7 +131,8 @@ impl Session {
             Ok((session, note))
         })??;
         if let Some(note) = note {
-            let text = CString::new(note).map_err(|_| PyValueError::new_err("a device's name holds a NUL"))?;
+            let text =
+                CString::new(note).map_err(|_| PyValueError::new_err("a device's name holds a NUL"))?;
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
         }
         Ok(Self { live: LiveSession::new(session, threads) })

@@ -100,8 +100,9 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
 
 /// Sets who traces paths.
 fn set_device(session: &mut Session, name: &str) -> Result<(), Failure> {
-    let choice = Choice::open_for_pictures(name)
-        .map_err(|reason| Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there"))?;
+    let choice = Choice::open_for_pictures(name).map_err(|reason| {
+        Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there")
+    })?;
     choice.note.iter().for_each(|note| messages::print_note(note));
     let Some(device) = choice.device else { return Ok(()) };
     match session.set_device(Some(device)) {

@@ -179,19 +179,16 @@ impl Tracing {
         let lists = LIST_COUNTERS.end - LIST_COUNTERS.start;
         let settings = gpu.buffer(4 * camera::SETTINGS as u64, Usage::UNIFORM | Usage::COPY_DST);
         let states = gpu.buffer(SLOT_BYTES * slots, Usage::STORAGE | Usage::COPY_DST);
-        let queues = gpu.buffer(
-            4 * (COUNTERS + lists * slots),
-            Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC,
-        );
+        let queues =
+            gpu.buffer(4 * (COUNTERS + lists * slots), Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC);
         let counters_read = gpu.buffer(4 * COUNTERS, Usage::MAP_READ | Usage::COPY_DST);
         gpu.check()?;
         Ok(Self { settings, scene: on_device, states, queues, counters_read, rounds: 1, tracer })
     }
 
     fn group(&self, samples: &wgpu::Buffer) -> wgpu::BindGroup {
-        let buffers = std::iter::once(&self.settings)
-            .chain(&self.scene)
-            .chain([&self.states, &self.queues, samples]);
+        let buffers =
+            std::iter::once(&self.settings).chain(&self.scene).chain([&self.states, &self.queues, samples]);
         let entries: Vec<_> = (0..)
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })

@@ -176,8 +176,7 @@ impl<'a> Materials<'a> {
         // Nearly linear in A, where α itself is not
         let root = |i| (1.0 - medium.single_scattering_albedo(albedo(i)).x).max(0.0).sqrt();
         self.medium_tables.extend((0..=ALBEDOS).map(root));
-        self.medium_tables
-            .extend((0..=ALBEDOS).map(|i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x));
+        self.medium_tables.extend((0..=ALBEDOS).map(|i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x));
         at
     }
 }

@@ -23,8 +23,8 @@ use translucid_scene::SceneError;
 
 use crate::device::{DeviceScene, TracingDevice};
 use crate::render::{
-    Edit, FilmSums, Fingerprint, Fraction, Goal, LiveFilm, Outcome, PathTracing, PreparedScene, Renewed, render_on, SampleProgress, ShardNotes,
-    ShardReader, ShardRun, View, save_shard,
+    Edit, FilmSums, Fingerprint, Fraction, Goal, LiveFilm, Outcome, PathTracing, PreparedScene, Renewed,
+    SampleProgress, ShardNotes, ShardReader, ShardRun, View, render_on, save_shard,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
@@ -269,7 +269,9 @@ impl Session {
         {
             self.on_device = Some(self.open_on(device)?);
         }
-        let outcome = self.preview(plan, observer, stop).and_then(|()| self.render_in_slices(plan, observer, stop, start));
+        let outcome = self
+            .preview(plan, observer, stop)
+            .and_then(|()| self.render_in_slices(plan, observer, stop, start));
         self.seconds += start.elapsed().as_secs_f64();
         let outcome = outcome?;
         self.denoise(plan, observer);
