@@ -7,11 +7,14 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use translucid_files::check_writable;
 use translucid_laboratory::comparison::{Stopped, Watch};
-use translucid_laboratory::oracle::{OraclePhotons, SCHEMA_FILE, oracle_names, oracle_schema, oracle_tables};
+use translucid_laboratory::oracle::{
+    ORACLE_PHOTONS, SCHEMA_FILE, oracle_names, oracle_schema, oracle_tables,
+};
 
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, refusal};
 use crate::progress::{Meter, Unit};
+use crate::reference::parse_photons;
 use crate::{interrupt, machine, messages};
 
 const EXAMPLES: &str = "\
@@ -41,13 +44,23 @@ pub(crate) struct OracleArguments {
     /// Tables to write [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = PossibleValuesParser::new(oracle_names()))]
     only: Vec<String>,
+    /// Number of photons of each walk, and of each sphere a tenth
+    #[arg(long, value_name = "N", default_value_t = ORACLE_PHOTONS, value_parser = parse_photons)]
+    photons: u64,
     /// Number of threads, at most 1024 [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
+/// Photons that know their error.
+const FEWEST_PHOTONS: u64 = 1000;
+
 /// Runs the verb.
 pub(crate) fn run(arguments: &OracleArguments) -> Result<(), Failure> {
+    if arguments.photons < FEWEST_PHOTONS {
+        let message = format!("--photons is {}, but must be at least {FEWEST_PHOTONS}", arguments.photons);
+        return Err(Failure::input(message).with_help("fewer know no error of their own"));
+    }
     let all = oracle_names();
     let wanted = |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|only| only == name);
     let names: Vec<&str> = all.into_iter().filter(wanted).collect();
@@ -58,10 +71,10 @@ pub(crate) fn run(arguments: &OracleArguments) -> Result<(), Failure> {
         let meter = Meter::new(Unit::Parts);
         let progress = |done: f64| meter.update((1e6 * done) as u64, 1_000_000);
         let watch = Watch { stop: &interrupt::STOP, progress: &progress };
-        let tables = pool.install(|| oracle_tables(&names, OraclePhotons::default(), watch));
+        let tables = pool.install(|| oracle_tables(&names, arguments.photons, watch));
         meter.finish();
         let tables = tables.map_err(|Stopped| {
-            Failure::interrupted("nothing was written; --only makes some of the tables in less time")
+            Failure::interrupted("nothing was written; --only and fewer --photons take less time")
         })?;
         let mut files: Vec<NamedFile> = vec![(SCHEMA_FILE.into(), oracle_schema().into_bytes())];
         for table in tables {

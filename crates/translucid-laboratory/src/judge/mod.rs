@@ -114,7 +114,7 @@ pub enum Unjudged {
     TooSmall([f64; 2]),
     /// Light falls to a quarter within two pixels: where, and the width of a pixel \[L\].
     TooCoarse([f64; 2]),
-    /// The channel is dark.
+    /// The channel is dark, or so few pixels beside the edge are lit that its light is not known.
     Dark,
 }
 
@@ -131,7 +131,9 @@ impl fmt::Display for Unjudged {
                 f,
                 "light falls to a quarter at {width:.4}, but a pixel is {pixel:.4} wide, and must be half of that or less"
             ),
-            Self::Dark => f.write_str("the channel is dark"),
+            Self::Dark => {
+                f.write_str("the channel is dark, or lit by fewer than three pixels beside the edge")
+            }
         }
     }
 }

@@ -3,7 +3,8 @@
 //! ```text
 //! lit_shape.rs   light beside an edge, a disk and a line of light on a plane, by any profile
 //! truth.rs       media whose light is known: exactly, by discrete directions, or by photons
-//! tables.rs      the tables: their columns, rows and checks
+//! table.rs       a table that can be made
+//! tables.rs      all of them: their columns, rows and checks
 //! text.rs        their files
 //! ```
 //!
@@ -11,6 +12,7 @@
 //! Lengths are mean free paths: a medium of another one has the response of an edge at x/ℓ, and the profile R(r/ℓ)/ℓ².
 
 mod lit_shape;
+mod table;
 mod tables;
 mod text;
 mod truth;
@@ -20,27 +22,15 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 pub use self::lit_shape::{LitShape, Spread};
-use self::tables::{Rows, Source, Table, word};
+use self::table::{Rows, Source, Table};
 pub use self::text::SCHEMA_FILE;
 use self::truth::{Fault, Kind, Truth};
 use crate::comparison::{Stopped, Watch};
 use crate::data_table::{DataTable, row};
+use crate::figures::word;
 
-/// Numbers of photons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OraclePhotons {
-    /// For each kind of half space that is walked, of which there are eight.
-    pub half_space: u64,
-    /// For each sphere.
-    pub sphere: u64,
-}
-
-impl Default for OraclePhotons {
-    /// As many as take a minute or two.
-    fn default() -> Self {
-        Self { half_space: 4_000_000, sphere: 200_000 }
-    }
-}
+/// Photons for each kind of half space that is walked, and a tenth of them for each sphere: as many as take a minute or two.
+pub const ORACLE_PHOTONS: u64 = 2_000_000;
 
 /// A table as its files.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,15 +53,11 @@ pub fn oracle_schema() -> String {
     text::schema(&tables::all())
 }
 
-/// Makes the tables of some names, in their own order; the same bits for the same numbers of photons.
+/// Makes the tables of some names, in their own order; the same bits for the same number of photons.
 ///
 /// # Errors
 /// The work was stopped.
-pub fn oracle_tables(
-    names: &[&str],
-    photons: OraclePhotons,
-    watch: Watch<'_>,
-) -> Result<Vec<OracleTable>, Stopped> {
+pub fn oracle_tables(names: &[&str], photons: u64, watch: Watch<'_>) -> Result<Vec<OracleTable>, Stopped> {
     let tables: Vec<Table> = tables::all().into_iter().filter(|table| names.contains(&table.name)).collect();
     let of_half_spaces = tables.iter().filter(|table| matches!(table.source, Source::HalfSpaces(_))).count();
     let pieces = (tables.len() - of_half_spaces + usize::from(of_half_spaces > 0)).max(1) as f64;
@@ -81,7 +67,7 @@ pub fn oracle_tables(
     if of_half_spaces > 0 {
         let progress = |part: f64| (watch.progress)(part / pieces);
         let steps = Steps { watch: Watch { progress: &progress, ..watch } };
-        half_spaces = rows_of_half_spaces(&tables, photons.half_space, &steps).map_err(stopped)?;
+        half_spaces = rows_of_half_spaces(&tables, photons, &steps).map_err(stopped)?;
         done = 1.0;
     }
     let mut made = Vec::new();
@@ -94,12 +80,12 @@ pub fn oracle_tables(
                 done += 1.0;
                 let progress = |part: f64| (watch.progress)((before + part) / pieces);
                 let steps = Steps { watch: Watch { progress: &progress, ..watch } };
-                rows(photons.sphere, &steps).map_err(stopped)?
+                rows((photons / 10).max(1), &steps).map_err(stopped)?
             }
         };
         let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
         let data = DataTable { rows, ..DataTable::new(table.name, table.content, &names) };
-        let json = text::json(table, &data);
+        let json = text::json(table, &data, photons);
         made.push(OracleTable { name: table.name, data, json });
     }
     Ok(made)

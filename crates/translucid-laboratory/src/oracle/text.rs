@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::tables::Table;
+use super::table::Table;
 use crate::data_table::{Cell, DataTable};
 
 /// Name of the schema's file.
@@ -27,7 +27,7 @@ pub(super) fn error(value: f64) -> Cell {
 }
 
 /// A table with the command that makes it.
-pub(super) fn json(table: &Table, data: &DataTable) -> String {
+pub(super) fn json(table: &Table, data: &DataTable, photons: u64) -> String {
     let mut text = String::from("{\n");
     let member = |name: &str, value: &str| format!("\"{name}\": {}", quoted(value));
     let head = [
@@ -35,7 +35,7 @@ pub(super) fn json(table: &Table, data: &DataTable) -> String {
         member("table", table.name),
         member("program", "translucid"),
         member("version", env!("CARGO_PKG_VERSION")),
-        member("command", &table.command()),
+        member("command", &table.command(photons)),
         member("content", table.content),
         member("method", table.method),
         member("check", table.check),

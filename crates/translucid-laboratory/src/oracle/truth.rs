@@ -26,16 +26,16 @@ pub(super) enum Truth<'a> {
 }
 
 /// Kinds with a phase function or a boundary of their own.
-const KINDS: [(f64, f64); 6] = [(0.0, 1.4), (0.0, 1.5), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
+const KINDS: [(f64, f64); 5] = [(0.0, 1.4), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
 /// Surface albedos of the plain kinds, and of all others.
 const ALBEDOS: [f64; 13] = [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.98];
 const FEW_ALBEDOS: [f64; 5] = [0.2, 0.5, 0.8, 0.9, 0.95];
-/// Radii of the profiles by the length of [`Kind::reach`], a decade, and its ends.
-const PER_DECADE: i32 = 10;
-const DECADES: [i32; 2] = [-2, 2];
-/// Rings of a walk between two of those radii, and decades on either side of them.
-const RINGS: i32 = 6;
-const MORE: i32 = 1;
+/// Radii of a decade of the profiles, preferred numbers of ISO 3 (R10), and the decades, by the length of [`Kind::reach`].
+const DECADE: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
+const DECADES: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
+/// Rings of a walk in a decade, and the exponents at which they begin and end.
+const RINGS: i32 = 60;
+const EXPONENTS: [i32; 2] = [-3, 3];
 /// Greatest width of the rings around those radii, by the radius and by the length of [`Kind::reach`].
 const WIDTH: [f64; 2] = [0.02, 0.05];
 
@@ -68,14 +68,8 @@ impl Kind {
 
     /// Radii of its profiles, in mean free paths.
     pub(super) fn radii(&self) -> Vec<f64> {
-        self.radii_of(PER_DECADE, DECADES)
-    }
-
-    fn radii_of(&self, per_decade: i32, [first, last]: [i32; 2]) -> Vec<f64> {
-        let exponent = |i: i32| f64::from(i) / f64::from(per_decade);
-        (first * per_decade..=last * per_decade)
-            .map(|i| self.reach() * libm::pow(10.0, exponent(i)))
-            .collect()
+        let radii = DECADES.iter().flat_map(|decade| DECADE.map(|r| decade * r)).chain([100.0]);
+        radii.map(|r| self.reach() * r).collect()
     }
 
     /// Surface albedo of a medium, and the error of that.
@@ -108,7 +102,7 @@ impl Kind {
             // The tabulated inversion is off by 2e-5 to 2e-4 of A, by which it is asked again
             let mut asked = *a;
             let mut best = [0.0, f64::INFINITY];
-            for _ in 0..3 {
+            for _ in 0..2 {
                 let alpha = inversion.single_scattering_albedo(asked);
                 let found = self.surface_albedo(alpha)?;
                 let off = found.value - a;
@@ -132,11 +126,14 @@ impl Kind {
         photons: u64,
         watch: &Watch<'_>,
     ) -> Result<WhiteTable, Fault> {
-        let mut radii = self.radii_of(PER_DECADE * RINGS, DECADES.map(|end| end + MORE * end.signum()));
-        for r in self.radii() {
-            let width = f64::min(WIDTH[0] * r, WIDTH[1] * self.reach());
-            radii.extend([r - width, r + width]);
-        }
+        let width = |r: f64| f64::min(WIDTH[0] * r, WIDTH[1] * self.reach());
+        let exponent = |i: i32| f64::from(i) / f64::from(RINGS);
+        let rings = (EXPONENTS[0] * RINGS..=EXPONENTS[1] * RINGS)
+            .map(|i| self.reach() * libm::pow(10.0, exponent(i)));
+        // The narrow rings of the profiles stay whole
+        let is_free = |edge: &f64| self.radii().iter().all(|r| (edge - r).abs() > 1.01 * width(*r));
+        let mut radii: Vec<f64> = rings.filter(is_free).collect();
+        radii.extend(self.radii().into_iter().flat_map(|r| [r - width(r), r, r + width(r)]));
         radii.sort_by(f64::total_cmp);
         let problem = Problem::new(Parameters {
             phase_function: PhaseFunction::HenyeyGreenstein { g: self.g },
