@@ -1,5 +1,10 @@
 //! `oracle`: its files, and the tests of the page that are made with them.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "sizes, and what was not run, are for those who ask with --nocapture"
+)]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

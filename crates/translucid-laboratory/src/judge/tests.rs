@@ -1,5 +1,7 @@
 //! Passes made as engines make them, each with a mistake that is known, and none.
 
+#![allow(clippy::print_stdout, reason = "sentences are for those who ask with --nocapture")]
+
 use std::f64::consts::TAU;
 
 use translucid_profile::{Model, Profile};

@@ -207,8 +207,8 @@ mod tests {
     /// The slow twin: the definition, ring by ring.
     #[test]
     fn response_is_the_sum_over_rings() {
-        for (alpha, eta) in [(0.9, 1.0), (0.99, 1.4)] {
-            let half_space = HalfSpace::with_boundary(alpha, eta, Incidence::Cosine).unwrap();
+        for (alpha, incidence) in [(0.99, Incidence::Cosine), (0.5, Incidence::NORMAL)] {
+            let half_space = HalfSpace::new(alpha, incidence).unwrap();
             let edges: Vec<f64> = (0..=1000).map(|i| 1e-4 * libm::exp(0.014 * f64::from(i))).collect();
             let energies: Vec<f64> = edges.iter().map(|r| half_space.enclosed(*r).value).collect();
             for shape in SHAPES {

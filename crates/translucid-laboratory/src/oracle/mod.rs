@@ -67,7 +67,7 @@ pub fn oracle_tables(names: &[&str], photons: u64, watch: Watch<'_>) -> Result<V
     if of_half_spaces > 0 {
         let progress = |part: f64| (watch.progress)(part / pieces);
         let steps = Steps { watch: Watch { progress: &progress, ..watch } };
-        half_spaces = rows_of_half_spaces(&tables, photons, &steps).map_err(stopped)?;
+        half_spaces = rows_of_half_spaces(&tables, photons, &steps)?;
         done = 1.0;
     }
     let mut made = Vec::new();
@@ -80,7 +80,7 @@ pub fn oracle_tables(names: &[&str], photons: u64, watch: Watch<'_>) -> Result<V
                 done += 1.0;
                 let progress = |part: f64| (watch.progress)((before + part) / pieces);
                 let steps = Steps { watch: Watch { progress: &progress, ..watch } };
-                rows((photons / 10).max(1), &steps).map_err(stopped)?
+                rows((photons / 10).max(1), &steps)?
             }
         };
         let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
@@ -91,10 +91,12 @@ pub fn oracle_tables(names: &[&str], photons: u64, watch: Watch<'_>) -> Result<V
     Ok(made)
 }
 
-/// Parameters of the tables are within all ranges: what is left is that somebody has stopped the work.
-fn stopped(fault: Fault) -> Stopped {
-    debug_assert_eq!(fault, Fault::Stopped);
-    Stopped
+impl From<Fault> for Stopped {
+    /// Parameters of the tables are within all ranges: what is left is that somebody has stopped the work.
+    fn from(fault: Fault) -> Self {
+        debug_assert_eq!(fault, Fault::Stopped);
+        Self
+    }
 }
 
 /// Work in steps that somebody watches.
@@ -106,7 +108,7 @@ impl Steps<'_> {
     /// Works on each item, on all threads, unless that is stopped; results are in the order of the items.
     fn each<T: Sync, R: Send>(
         &self,
-        items: Vec<T>,
+        items: &[T],
         work: impl Fn(&T) -> Result<R, Fault> + Sync,
     ) -> Result<Vec<R>, Fault> {
         let done = std::sync::atomic::AtomicUsize::new(0);
@@ -151,7 +153,7 @@ fn rows_of_half_spaces(tables: &[Table], photons: u64, steps: &Steps<'_>) -> Res
         };
         albedos.par_iter().zip(&alphas).map(of_medium).collect::<Result<Vec<Vec<Rows>>, Fault>>()
     };
-    let media: Vec<Vec<Rows>> = steps.each(Kind::all(), of_kind)?.concat();
+    let media: Vec<Vec<Rows>> = steps.each(&Kind::all(), of_kind)?.concat();
     Ok((0..sources.len()).map(|table| media.iter().flat_map(|rows| rows[table].clone()).collect()).collect())
 }
 

@@ -243,10 +243,10 @@ fn line(kind: &Kind, truth: &Truth<'_>) -> Rows {
 }
 
 /// Kinds of the tables without radii.
-fn kinds() -> impl Iterator<Item = Kind> {
+fn kinds() -> Vec<Kind> {
     let pairs =
         [-0.5, 0.0, 0.5, 0.8, 0.9].into_iter().flat_map(|g| [1.0, 1.33, 1.4, 1.5].map(|eta| (g, eta)));
-    pairs.flat_map(|(g, eta)| CONFIGURATIONS.map(|configuration| Kind { configuration, g, eta }))
+    pairs.flat_map(|(g, eta)| CONFIGURATIONS.map(|configuration| Kind { configuration, g, eta })).collect()
 }
 
 fn method(kind: &Kind) -> &'static str {
@@ -255,7 +255,7 @@ fn method(kind: &Kind) -> &'static str {
 
 fn totals(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
     const ALPHAS: [f64; 10] = [0.2, 0.4, 0.5, 0.6, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9999];
-    let rows = steps.each(kinds().collect(), |kind: &Kind| {
+    let rows = steps.each(&kinds(), |kind: &Kind| {
         let specular = translucid_reference::specular_reflectance(kind.incidence(), kind.eta);
         let row = |alpha: f64| {
             let Estimate { value, error: off } = kind.surface_albedo(alpha)?;
@@ -269,7 +269,7 @@ fn totals(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
 
 fn inversion(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
     const ALBEDOS: [f64; 14] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99];
-    let rows = steps.each(kinds().collect(), |kind: &Kind| {
+    let rows = steps.each(&kinds(), |kind: &Kind| {
         let alphas = kind.single_scattering_albedos(&ALBEDOS)?;
         let row = |(a, [alpha, off]): (&f64, &[f64; 2])| {
             let medium = Medium::from_mfp(*alpha, 1.0, kind.g)?;
@@ -285,9 +285,11 @@ fn inversion(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
 fn slabs(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
     const ALPHAS: [f64; 5] = [0.5, 0.9, 0.99, 0.999, 1.0];
     const THICKNESSES: [f64; 7] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
-    let kinds: Vec<Kind> =
-        kinds().filter(|kind| [0.0, 0.8].contains(&kind.g) && [1.0, 1.4].contains(&kind.eta)).collect();
-    let rows = steps.each(kinds, |kind: &Kind| {
+    let kinds: Vec<Kind> = kinds()
+        .into_iter()
+        .filter(|kind| [0.0, 0.8].contains(&kind.g) && [1.0, 1.4].contains(&kind.eta))
+        .collect();
+    let rows = steps.each(&kinds, |kind: &Kind| {
         let mut rows = Rows::new();
         for (alpha, thickness) in ALPHAS.into_iter().flat_map(|alpha| THICKNESSES.map(|t| (alpha, t))) {
             let layer = Layer::new(alpha, 1.0 - alpha, thickness).with_g(kind.g).with_eta(kind.eta);
@@ -320,7 +322,7 @@ fn spheres(photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
             cases.extend(RADII.map(|radius| (light, kind, alpha, radius)));
         }
     }
-    steps.each(cases, |&(light, (g, eta), alpha, radius)| {
+    steps.each(&cases, |&(light, (g, eta), alpha, radius)| {
         let interior = Interior { single_scattering_albedo: alpha, g, eta };
         let tally = Body::new(Shape::Sphere { radius }, interior, light)?.walk(photons, SEED);
         let half = |rings: std::ops::Range<usize>| {

@@ -3,6 +3,8 @@
 //! Seeds are fixed. Photons count as right within 4.5 standard errors: false-alarm rate 7e-6 a comparison, below 1 % for all
 //! of them together.
 
+#![allow(clippy::print_stdout, reason = "sizes and times are for those who ask with --nocapture")]
+
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
@@ -270,9 +272,11 @@ fn totals_and_inversion_are_exact_or_those_of_the_walk() {
             for row in rows("inversion", &words, &[("g", 0.0), ("eta", eta)]).iter().step_by(6) {
                 let a = row.number("surface_albedo");
                 let exact = single_scattering_albedo(a, eta, incidence).unwrap();
-                // α by A has the slope of 1 or less
+                let more = single_scattering_albedo(1.001 * a, eta, incidence).unwrap();
+                let slope = (more - exact) / (0.001 * a);
                 let off = (row.number("single_scattering_albedo") - exact).abs();
-                assert!(off < 4.0 * row.number("surface_albedo_error") + 1e-9, "{eta} {a}: {off}");
+                let allowed = 1.1 * slope * row.number("surface_albedo_error") + 1e-9;
+                assert!(off < allowed, "{eta} {a}: {off} {allowed}");
             }
         }
         // Of every phase function
@@ -359,7 +363,11 @@ fn same_bits_at_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| oracle_tables(&names, 2000, Watch::default()).unwrap())
     });
-    assert!(made[0] == made[1]);
+    // Numbers that are none are not equal to themselves
+    let texts = made
+        .each_ref()
+        .map(|made| made.iter().map(|table| (table.data.csv(), &table.json)).collect::<Vec<_>>());
+    assert!(texts[0] == texts[1]);
     assert_eq!(made[0].iter().map(|table| table.name).collect::<Vec<_>>(), names);
 }
 

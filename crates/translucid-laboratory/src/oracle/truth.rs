@@ -9,7 +9,7 @@ use translucid_reference::walk::{
 use translucid_reference::{Estimate, Incidence, specular_reflectance};
 
 use super::lit_shape::LitShape;
-use crate::comparison::{Stopped, Watch};
+use crate::comparison::Watch;
 
 /// A kind of half space: everything but its absorption.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,12 +166,6 @@ pub(super) enum Fault {
 impl From<ParameterError> for Fault {
     fn from(error: ParameterError) -> Self {
         Self::Parameter(error)
-    }
-}
-
-impl From<Stopped> for Fault {
-    fn from(_: Stopped) -> Self {
-        Self::Stopped
     }
 }
 
