@@ -90,6 +90,7 @@ fn files_follow_the_schema_and_say_what_makes_them() {
     let mut expected: Vec<String> =
         TABLES.iter().flat_map(|name| ["csv", "json"].map(|end| format!("{name}.{end}"))).collect();
     expected.push("schema.json".into());
+    expected.sort();
     let folder = MADE.0.path().join("oracle");
     assert_eq!(files(&folder), expected);
     let bytes: u64 = expected.iter().map(|name| fs::metadata(folder.join(name)).unwrap().len()).sum();
