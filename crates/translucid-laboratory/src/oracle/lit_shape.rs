@@ -100,7 +100,7 @@ impl LitShape {
             Self::Line { width, offset } => {
                 beyond_line(offset - 0.5 * width) - beyond_line(offset + 0.5 * width)
             }
-            Self::Disk { radius, offset } if offset == 0.0 => f64::from(r <= radius),
+            Self::Disk { radius, offset: 0.0 } => f64::from(r <= radius),
             Self::Disk { radius, offset } => {
                 let cos = (r * r + offset * offset - radius * radius) / (2.0 * r * offset);
                 libm::acos(cos.clamp(-1.0, 1.0)) / PI
@@ -122,7 +122,7 @@ impl LitShape {
                 let near = Self::Edge { distance: near }.response(spread);
                 minus(near, beyond_edge(spread, far))
             }
-            Self::Disk { radius, offset } if offset == 0.0 => spread.enclosed(radius),
+            Self::Disk { radius, offset: 0.0 } => spread.enclosed(radius),
             Self::Disk { radius, offset } => disk(spread, radius, offset.abs()),
         }
     }

@@ -26,7 +26,7 @@ use self::table::{Rows, Source, Table};
 pub use self::text::SCHEMA_FILE;
 use self::truth::{Fault, Kind, Truth};
 use crate::comparison::{Stopped, Watch};
-use crate::data_table::{DataTable, row};
+use crate::data_table::{Cell, DataTable, row};
 use crate::figures::word;
 
 /// Photons for each kind of half space that is walked, and a tenth of them for each sphere: as many as take a minute or two.
@@ -146,7 +146,7 @@ fn rows_of_half_spaces(tables: &[Table], photons: u64, steps: &Steps<'_>) -> Res
             let truth = Truth::of(kind, *alpha, walk.as_ref())?;
             let head = row![word(kind.configuration), kind.g, kind.eta, *a, text::number(*alpha)];
             let whole = |own: Rows| -> Rows {
-                let row = |own: Vec<_>| [&head[..], &own[..], &row![truth.method()]].concat();
+                let row = |own: Vec<_>| [&head[..], &own[..], &[Cell::from(truth.method())]].concat();
                 own.into_iter().map(row).collect()
             };
             Ok(sources.iter().map(|rows| whole(rows(kind, &truth))).collect::<Vec<Rows>>())
