@@ -14,12 +14,14 @@ mod failure;
 mod files;
 mod fit;
 mod interrupt;
+mod judge;
 mod machine;
 mod measure;
 mod merge;
 mod messages;
 mod model;
 mod models;
+mod oracle;
 mod output_lock;
 mod plan;
 mod profile;
@@ -74,6 +76,8 @@ enum Verb {
     Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
+    Oracle(oracle::OracleArguments),
+    Judge(judge::JudgeArguments),
     Skin(skin::SkinArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
@@ -99,6 +103,8 @@ Examples:
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid export --to glsl --what sampler
   translucid measure soap.exr --mm-per-pixel 0.04 --white 100,80,400,260
+  translucid oracle -o oracle
+  translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9 --mfp 1
   translucid skin --tone III
   translucid help render
 
@@ -254,6 +260,8 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
+        Verb::Oracle(arguments) => oracle::run(&arguments),
+        Verb::Judge(arguments) => judge::run(&arguments),
         Verb::Skin(arguments) => skin::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),

@@ -124,7 +124,7 @@ fn field(word: &str) -> String {
 }
 
 /// The shortest text that reads back as the number.
-fn exact(number: f64) -> String {
+pub(crate) fn exact(number: f64) -> String {
     if number == 0.0 || (1e-4..1e7).contains(&number.abs()) {
         format!("{number}")
     } else {

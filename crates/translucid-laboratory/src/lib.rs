@@ -9,6 +9,8 @@
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`stack`]: colors of plane layers over grounds, and swatches of them.
+//! - [`judge`]: an engine's picture of a lit shape beside the exact light.
+//! - [`oracle`]: tables of light under surfaces, for tests of other programs.
 //! - [`residual_chart`]: what fits to a table leave over.
 //! - [`skin`]: pigments → layers → color and medium.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
@@ -39,9 +41,11 @@ pub mod comparison;
 mod data_table;
 mod drawing;
 pub mod figures;
+pub mod judge;
 mod markup;
 #[cfg(doctest)]
 mod model_pages;
+pub mod oracle;
 mod page;
 pub mod picture;
 mod random;

@@ -3,7 +3,7 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 14] = [
+const VERBS: [&str; 16] = [
     "render",
     "profile",
     "sample",
@@ -13,6 +13,8 @@ const VERBS: [&str; 14] = [
     "compare",
     "convert",
     "export",
+    "oracle",
+    "judge",
     "skin",
     "view",
     "models",

@@ -95,7 +95,7 @@ fn grouped(number: u64) -> String {
 }
 
 /// The configuration in one word.
-fn word(configuration: Configuration) -> &'static str {
+pub(crate) fn word(configuration: Configuration) -> &'static str {
     match configuration {
         Configuration::Searchlight => "searchlight",
         Configuration::Diffuse => "diffuse",

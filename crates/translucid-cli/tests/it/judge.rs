@@ -1,0 +1,224 @@
+//! `judge`: pictures of passes as engines make them, right and wrong.
+
+use std::path::Path;
+
+use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
+use serde_json::Value;
+use translucid_profile::{Appearance, Configuration, Model, Parameterization, Profile};
+
+use crate::common::{files, run, stderr, stdout};
+
+const SIZE: [usize; 2] = [400, 20];
+const PIXEL: f64 = 0.1;
+const ALBEDOS: [f64; 3] = [0.9, 0.6, 0.3];
+const MATERIAL: &str = "--pixel 0.1 --surface-albedo 0.9,0.6,0.3 --mfp 1,0.8,0.8";
+
+fn profiles(model: Model) -> [Box<dyn Profile>; 3] {
+    [(0.9, 1.0), (0.6, 0.8), (0.3, 0.8)].map(|(surface_albedo, length)| {
+        let appearance =
+            Appearance { surface_albedo, length, parameterization: Parameterization::Mfp, g: 0.0 };
+        model.profile(&appearance, Configuration::Diffuse, 1.0).unwrap()
+    })
+}
+
+/// Taps of a gather over a disk.
+fn disk_taps(profile: &dyn Profile) -> Vec<[f64; 3]> {
+    let tap = |i: i32| {
+        let r = profile.quantile((f64::from(i) + 0.5) / 2048.0);
+        let (sin, cos) = (2.399_963_229_728_653 * f64::from(i)).sin_cos();
+        [r * cos, r * sin, 1.0]
+    };
+    (0..2048).map(tap).collect()
+}
+
+/// Taps of a blur by the profile's slice.
+fn slice_taps(profile: &dyn Profile) -> Vec<[f64; 3]> {
+    (-200..=200).map(|i| f64::from(i) * PIXEL).map(|x| [x, 0.0, profile.eval(x.abs().max(0.025))]).collect()
+}
+
+/// A picture of lit places, gathered channel by channel, times the surface albedo and 2, the white of the picture.
+fn picture(
+    path: &Path,
+    [width, height]: [usize; 2],
+    is_lit: &dyn Fn(f64, f64) -> bool,
+    taps: &[Vec<[f64; 3]>; 3],
+    is_extruded: bool,
+) {
+    let value = |x: usize, y: usize, c: usize| {
+        let [x, y] = [x, y].map(|at| (at as f64 + 0.5) * PIXEL);
+        let all: f64 = taps[c].iter().map(|tap| tap[2]).sum();
+        let lit = taps[c].iter().filter(|[dx, dy, _]| is_lit(x + dx, y + dy));
+        (2.0 * ALBEDOS[c] * lit.map(|tap| tap[2]).sum::<f64>() / all) as f32
+    };
+    let rows = if is_extruded { 1 } else { height };
+    let pixels: Vec<[f32; 3]> =
+        (0..rows * width).map(|i| [0, 1, 2].map(|c| value(i % width, i / width, c))).collect();
+    let at = |at: Vec2<usize>| {
+        let [r, g, b] = pixels[if is_extruded { 0 } else { at.y() } * width + at.x()];
+        (r, g, b)
+    };
+    Image::from_channels((width, height), SpecificChannels::rgb(at)).write().to_file(path).unwrap();
+}
+
+/// The edge is between two pixels.
+fn is_edge_lit(x: f64, _y: f64) -> bool {
+    x > 19.999
+}
+
+fn json(folder: &Path, words: &str) -> Vec<Value> {
+    let text = stdout(folder, &format!("judge {words} --format json"));
+    serde_json::from_str::<Value>(&text).unwrap().as_array().unwrap().clone()
+}
+
+fn verdicts(rows: &[Value]) -> Vec<&str> {
+    rows.iter().map(|row| row["verdict"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn three_passes_are_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let taps = |model: Model| profiles(model).map(|profile| disk_taps(&*profile));
+    picture(&path("right.exr"), SIZE, &is_edge_lit, &taps(Model::NormalizedDiffusionRefined), true);
+    picture(&path("burley.exr"), SIZE, &is_edge_lit, &taps(Model::NormalizedDiffusion), true);
+    picture(
+        &path("slice.exr"),
+        SIZE,
+        &is_edge_lit,
+        &profiles(Model::Exact).map(|one| slice_taps(&*one)),
+        true,
+    );
+
+    let rows = json(folder.path(), &format!("right.exr --setup edge {MATERIAL} --white 2"));
+    assert_eq!(verdicts(&rows), ["right"; 3], "{rows:?}");
+    assert!(rows.iter().all(|row| row["light_error"].as_f64().unwrap().abs() < 0.005), "{rows:?}");
+    assert!(rows.iter().all(|row| row["rms_error"].as_f64().unwrap() < 0.005), "{rows:?}");
+
+    let rows = json(folder.path(), &format!("burley.exr --setup edge {MATERIAL}"));
+    assert_eq!(rows[0]["verdict"], "profile", "{rows:?}");
+    assert!(rows[0]["sentence"].as_str().unwrap().contains("Burley's of 2015"), "{rows:?}");
+    assert!(rows[0]["light_error"].is_null());
+    // Burley's is too narrow there
+    let width = |name: &str| rows[0][name].as_f64().unwrap();
+    assert!(width("width_10") < 0.9 * width("exact_width_10"), "{rows:?}");
+
+    let rows = json(folder.path(), &format!("slice.exr --setup edge {MATERIAL}"));
+    assert_eq!(verdicts(&rows), ["gather"; 3], "{rows:?}");
+    assert!(rows[0]["sentence"].as_str().unwrap().contains("R(|x|)"), "{rows:?}");
+
+    // Too bright by a tenth
+    let rows = json(folder.path(), &format!("right.exr --setup edge {MATERIAL} --white 1.8"));
+    assert_eq!(verdicts(&rows), ["gather"; 3], "{rows:?}");
+
+    // For people and as a plot
+    let text = stdout(folder.path(), &format!("judge right.exr --setup edge {MATERIAL} -o plot.svg"));
+    assert!(text.starts_with("red: right within") && text.contains("light falls to 25 % at"), "{text}");
+    let plot = std::fs::read_to_string(path("plot.svg")).unwrap();
+    assert!(plot.starts_with("<svg") && plot.contains("blue: exact"), "{plot:.300}");
+    let csv = stdout(folder.path(), &format!("judge right.exr --setup edge {MATERIAL} --format csv"));
+    assert!(csv.starts_with("channel,verdict,light_error,rms_error") && csv.lines().count() == 4, "{csv}");
+}
+
+#[test]
+fn disks_and_lines_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let taps = profiles(Model::Exact).map(|profile| disk_taps(&*profile));
+    let lit = |x: f64, y: f64| (x - 3.5).hypot(y - 3.5) < 1.0;
+    let few = taps.clone().map(|taps| taps.into_iter().step_by(2).collect());
+    picture(&folder.path().join("disk.exr"), [70, 70], &lit, &few, false);
+    let rows = json(folder.path(), &format!("disk.exr --setup disk --size 2 {MATERIAL} --white 2"));
+    assert_eq!(verdicts(&rows), ["right"; 3], "{rows:?}");
+
+    let lit = |x: f64, _: f64| (x - 20.0).abs() < 0.799;
+    picture(&folder.path().join("line.exr"), SIZE, &lit, &taps, true);
+    let rows = json(folder.path(), &format!("line.exr --setup line --size 1.6 {MATERIAL} --white 2"));
+    assert_eq!(verdicts(&rows), ["right"; 3], "{rows:?}");
+    // A separable blur of a disk is a cross
+    let slices = profiles(Model::Exact).map(|profile| slice_taps(&*profile));
+    let blurred = |x: f64, y: f64, c: usize| {
+        let all: f64 = slices[c].iter().map(|tap| tap[2]).sum();
+        let mut sum = 0.0;
+        for [dy, _, wy] in slices[c].iter().filter(|[dy, ..]| (y + dy - 3.5).abs() < 1.0) {
+            let half = (1.0 - (y + dy - 3.5).powi(2)).sqrt();
+            let inside = slices[c].iter().filter(|[dx, ..]| (x + dx - 3.5).abs() < half);
+            sum += wy * inside.map(|tap| tap[2]).sum::<f64>();
+        }
+        (2.0 * ALBEDOS[c] * sum / (all * all)) as f32
+    };
+    let at = |at: Vec2<usize>| {
+        let [x, y] = [at.x(), at.y()].map(|at| (at as f64 + 0.5) * PIXEL);
+        (blurred(x, y, 0), blurred(x, y, 1), blurred(x, y, 2))
+    };
+    let path = folder.path().join("cross.exr");
+    Image::from_channels((70, 70), SpecificChannels::rgb(at)).write().to_file(&path).unwrap();
+    let rows = json(folder.path(), &format!("cross.exr --setup disk --size 2 {MATERIAL}"));
+    assert_eq!(verdicts(&rows), ["gather"; 3], "{rows:?}");
+    assert!(rows[0]["sentence"].as_str().unwrap().contains("a cross"), "{rows:?}");
+}
+
+#[test]
+fn what_cannot_be_judged_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, size: (usize, usize), value: &(dyn Fn(usize, usize) -> f32 + Sync)| {
+        let at = |at: Vec2<usize>| {
+            let value = value(at.x(), at.y());
+            (value, value, value)
+        };
+        Image::from_channels(size, SpecificChannels::rgb(at))
+            .write()
+            .to_file(folder.path().join(name))
+            .unwrap();
+    };
+    let edge = |x: usize, _: usize| if x < 100 { 0.001 } else { 0.8 };
+    write("edge.exr", (200, 20), &edge);
+    write("nan.exr", (200, 20), &|x, y| if (x, y) == (7, 3) { f32::NAN } else { edge(x, y) });
+    write("small.exr", (200, 8), &edge);
+    write("even.exr", (200, 20), &|_, _| 0.5);
+    write("near.exr", (20, 20), &|x, _| if x < 10 { 0.001 } else { 0.8 });
+    let gray = SpecificChannels::build().with_channel("Z").with_pixel_fn(|_| (1.0_f32,));
+    Image::from_channels((200, 20), gray).write().to_file(folder.path().join("depth.exr")).unwrap();
+    std::fs::write(folder.path().join("text.exr"), "no picture").unwrap();
+
+    let good = "--pixel 0.1 --surface-albedo 0.8 --mfp 1";
+    let edge = "edge.exr --setup edge";
+    for (words, parts) in [
+        (format!("edge.exr --setup square {good}"), ["square", "edge, disk, line"]),
+        (format!("{edge} --pixel -1 --surface-albedo 0.8 --mfp 1"), ["--pixel is -1", "greater than 0"]),
+        (format!("{edge} --pixel 0.1 --surface-albedo 1.2 --mfp 1"), ["--surface-albedo is 1.2", "(0, 1)"]),
+        (
+            format!("{edge} --pixel 0.1 --surface-albedo 0.8,nan,0.1 --mfp 1"),
+            ["--surface-albedo is NaN", "(0, 1)"],
+        ),
+        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --mfp -2"), ["--mfp is -2", "greater than 0"]),
+        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --dmfp 1,0"), ["--dmfp has 2 values", "1 or 3"]),
+        (format!("{edge} --pixel 0.1 --surface-albedo 0.8"), ["--mfp", "required"]),
+        (format!("{edge} {good} --white 0"), ["--white is 0", "greater than 0"]),
+        (format!("{edge} {good} --size 2"), ["--size is for a disk or a line", "leave --size out"]),
+        (format!("edge.exr --setup disk {good}"), ["--size is missing", "diameter"]),
+        (format!("edge.exr --setup line --size -1 {good}"), ["--size is -1", "greater than 0"]),
+        (format!("edge.exr --setup line --size 1 {good}"), ["edge.exr", "no single line of light"]),
+        (format!("edge.exr --setup disk --size 1 {good}"), ["edge.exr", "disk of light"]),
+        (format!("even.exr --setup edge {good}"), ["even.exr", "no edge of light"]),
+        (format!("nan.exr --setup edge {good}"), ["nan.exr", "channel R is NaN at the pixel 7,3"]),
+        (format!("depth.exr --setup edge {good}"), ["depth.exr", "has no channel R: its channels are Z"]),
+        (format!("small.exr --setup edge {good}"), ["small.exr", "fewer than 16 pixels"]),
+        (
+            "near.exr --setup edge --pixel 0.1 --surface-albedo 0.8 --mfp 10".into(),
+            ["near.exr", "light falls to a quarter at"],
+        ),
+        (
+            format!("edge.exr --setup edge --pixel 5 --surface-albedo 0.8 --mfp 1"),
+            ["edge.exr", "a pixel is 5"],
+        ),
+        (format!("text.exr --setup edge {good}"), ["text.exr", "OpenEXR"]),
+        (format!("none.exr --setup edge {good}"), ["none.exr", "cannot"]),
+        (format!("{edge} {good} -o edge.exr"), ["--output is edge.exr", "choose another file"]),
+    ] {
+        let before = files(folder.path());
+        let output = run(folder.path(), &format!("judge {words}"));
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{words}: {said}");
+        assert!(parts.iter().all(|part| said.contains(part)), "{words}: {said}");
+        assert!(output.stdout.is_empty() && files(folder.path()) == before, "{words}");
+    }
+}

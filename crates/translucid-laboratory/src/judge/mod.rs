@@ -1,0 +1,416 @@
+//! A screen-space pass judged: an engine's picture of a lit shape on a plane beside the exact light.
+//!
+//! ```text
+//! cause.rs    reasons why a pass may be wrong, and the light that each would draw
+//! ```
+//!
+//! # Method
+//! Pixels are averaged by their distance from the shape in bins of a pixel.
+//! If their RMS difference from the truth is small, and so are the differences in width and light, the pass is right.
+//! If not, the light of each [`Cause`] is computed; the one that explains the picture names the part to mend.
+//! A cause that explains it too little is not named: then the judgement says that the reason is not known.
+
+mod cause;
+
+use std::fmt;
+
+use translucid_profile::{Appearance, Configuration, Medium, ParameterError, Parameterization};
+use translucid_reference::Incidence;
+use translucid_reference::exact::single_scattering_albedo;
+
+use self::cause::{Candidate, Subject};
+pub use self::cause::{Cause, Part};
+use crate::oracle::LitShape;
+use crate::{Axis, Chart, Ink, Mark, Series};
+
+/// Lit shape that a pass draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setup {
+    /// A half plane; places are distances from its edge, positive on the dark side.
+    Edge,
+    /// A disk of a radius \[L\]; places are distances from its center.
+    Disk {
+        /// Its radius.
+        radius: f64,
+    },
+    /// A band of a width \[L\]; places are distances from the line in its middle.
+    Line {
+        /// Its width.
+        width: f64,
+    },
+}
+
+/// One channel of a picture, averaged by place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// What is lit.
+    pub setup: Setup,
+    /// Material of the plane: half space of isotropic scatterers without a boundary.
+    pub appearance: Appearance,
+    /// How light enters.
+    pub configuration: Configuration,
+    /// Width of a pixel \[L\].
+    pub pixel: f64,
+    /// Value of a surface that returns all light where it is lit; none if it is not known.
+    pub white: Option<f64>,
+    /// Values by place.
+    pub bins: Bins,
+}
+
+/// Mean values by place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bins {
+    /// Places, rising \[L\].
+    pub places: Vec<f64>,
+    /// Mean of the pixels at each place.
+    pub values: Vec<f64>,
+    /// Means of those along the picture's axes, and along its diagonals: of disks, where both are there.
+    pub directions: Option<[Vec<f64>; 2]>,
+}
+
+/// RMS difference up to which a pass is right, as a part of the light on a large lit shape.
+pub const RIGHT_RMS: f64 = 0.01;
+/// Difference of widths up to which it is right.
+pub const RIGHT_WIDTH: f64 = 0.03;
+/// Difference of all light up to which it is right.
+pub const RIGHT_LIGHT: f64 = 0.02;
+/// Parts of the light at whose places widths are compared.
+pub const LEVELS: [f64; 3] = [0.25, 0.1, 0.05];
+/// Least part of the light of places that count.
+const LEAST: f64 = 0.02;
+/// A cause explains a picture if it leaves that part of its difference, and at most that RMS difference.
+const EXPLAINS: [f64; 2] = [1.0 / 3.0, 0.015];
+/// A cause without a parameter is preferred to one that is not closer by this.
+const SIMPLER: f64 = 0.6;
+
+/// What is wrong with a channel of a pass, and by how much.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement {
+    /// All light over what there is less 1; nothing where white is not known.
+    pub light_error: Option<f64>,
+    /// RMS difference from the truth, as a part of the light on a large lit shape.
+    pub rms: f64,
+    /// Greatest difference.
+    pub largest: f64,
+    /// Distances at which light falls to [`LEVELS`], of the picture and of the truth \[L\]; not numbers where the picture
+    /// ends before.
+    pub widths: [[f64; 2]; 3],
+    /// Reasons, the one that weighs most first; none if the pass is right, or if the reason is not known.
+    pub causes: Vec<Cause>,
+    /// RMS difference from the light that the first reason draws.
+    pub explained_rms: Option<f64>,
+    /// A sentence.
+    pub sentence: String,
+    /// Places, values over those of a large lit shape, the truth, and the light of the first reason.
+    curves: [Vec<f64>; 4],
+}
+
+/// Why a picture cannot be judged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unjudged {
+    /// A parameter is outside its range.
+    Parameter(ParameterError),
+    /// It ends before light has fallen to a quarter: where it ends and where light has \[L\].
+    TooSmall([f64; 2]),
+    /// Light falls to a quarter within two pixels: where, and the width of a pixel \[L\].
+    TooCoarse([f64; 2]),
+    /// The channel is dark, or so few pixels beside the edge are lit that its light is not known.
+    Dark,
+}
+
+impl fmt::Display for Unjudged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Parameter(error) => error.fmt(f),
+            Self::TooSmall([end, wanted]) => write!(
+                f,
+                "the picture ends {end:.4} from the lit shape's edge or center, but light falls to a quarter at {wanted:.4}, \
+                 and must be seen to there"
+            ),
+            Self::TooCoarse([width, pixel]) => write!(
+                f,
+                "light falls to a quarter at {width:.4}, but a pixel is {pixel:.4} wide, and must be half of that or less"
+            ),
+            Self::Dark => {
+                f.write_str("the channel is dark, or lit by fewer than three pixels beside the edge")
+            }
+        }
+    }
+}
+
+impl From<ParameterError> for Unjudged {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+impl Setup {
+    fn shape(&self, place: f64) -> LitShape {
+        match *self {
+            Self::Edge => LitShape::Edge { distance: place },
+            Self::Disk { radius } => LitShape::Disk { radius, offset: place },
+            Self::Line { width } => LitShape::Line { width, offset: place },
+        }
+    }
+
+    /// Where light begins.
+    fn rim(&self) -> f64 {
+        match *self {
+            Self::Edge => 0.0,
+            Self::Disk { radius } => radius,
+            Self::Line { width } => 0.5 * width,
+        }
+    }
+
+    /// Area by the place, as far as sums of light need it.
+    fn area(&self, place: f64) -> f64 {
+        if matches!(self, Self::Disk { .. }) { place.abs() } else { 1.0 }
+    }
+}
+
+impl Pass {
+    /// Judges the channel.
+    ///
+    /// # Errors
+    /// The material is outside of all ranges, or the picture shows too little.
+    pub fn judge(&self) -> Result<Judgement, Unjudged> {
+        let shapes: Vec<LitShape> = self.bins.places.iter().map(|place| self.setup.shape(*place)).collect();
+        let Self { appearance, configuration, .. } = *self;
+        let subject = Subject { appearance, configuration, cell: 0.5 * self.pixel, shapes: &shapes };
+        let truth = subject.truth(1.0)?;
+        let true_widths = LEVELS.map(|level| self.width(&truth, level));
+        let reach = self.bins.places.last().copied().unwrap_or(0.0);
+        if true_widths[0].is_nan() {
+            return Err(Unjudged::TooSmall([reach, self.wanted(&subject)?]));
+        }
+        if true_widths[0] < 2.0 * self.pixel {
+            return Err(Unjudged::TooCoarse([true_widths[0], self.pixel]));
+        }
+
+        // Bring the picture to the light of a large lit shape
+        let scale = self.scale(&truth);
+        if scale.is_nan() || scale <= 0.0 {
+            return Err(Unjudged::Dark);
+        }
+        let values: Vec<f64> = self.bins.values.iter().map(|value| value / scale).collect();
+        let counting = self.counting(&truth);
+        let distance = |curve: &[f64]| self.rms(&values, curve, &counting);
+        let rms = distance(&truth);
+        let largest = (0..values.len()).filter(|i| counting[*i]).map(|i| (values[i] - truth[i]).abs());
+        let widths = [0, 1, 2].map(|i| [self.width(&values, LEVELS[i]), true_widths[i]]);
+        let light_error = self.white.map(|white| scale / (white * appearance.surface_albedo) - 1.0);
+        let mut judgement = Judgement {
+            light_error,
+            rms,
+            largest: largest.fold(0.0, f64::max),
+            widths,
+            causes: Vec::new(),
+            explained_rms: None,
+            sentence: String::new(),
+            curves: [self.bins.places.clone(), values.clone(), truth.clone(), Vec::new()],
+        };
+
+        if !judgement.has_right_shape() {
+            if self.is_separable(scale, &counting) {
+                judgement.causes.push(Cause::Separable);
+            } else if let Some((best, left)) = closest(subject.candidates(&truth, &distance)?, &distance)
+                && left < EXPLAINS[0] * rms
+                && left < EXPLAINS[1]
+            {
+                judgement.causes.push(best.cause);
+                judgement.explained_rms = Some(left);
+                judgement.curves[3] = best.curve;
+            }
+        }
+        if let Some(error) = light_error.filter(|error| error.abs() > RIGHT_LIGHT) {
+            judgement.causes.push(Cause::Light(1.0 + error));
+        }
+        judgement.sentence = judgement.words(&appearance, configuration)?;
+        Ok(judgement)
+    }
+
+    /// Value of a large lit shape in the picture, by which its shape has as much light as the truth.
+    ///
+    /// Beside an edge light that is missing on the lit side is on the dark one, whatever the profile.
+    fn scale(&self, truth: &[f64]) -> f64 {
+        let Bins { places, values, .. } = &self.bins;
+        if self.setup == Setup::Edge {
+            let reach = places.last().copied().unwrap_or(0.0).min(-places.first().copied().unwrap_or(0.0));
+            let pairs = places.iter().zip(values).filter(|(x, _)| (2.0 * self.pixel..reach).contains(*x));
+            let sums: Vec<f64> =
+                pairs.filter_map(|(x, value)| Some(value + at(places, values, -x)?)).collect();
+            return sums.iter().sum::<f64>() / sums.len() as f64;
+        }
+        let sum = |curve: &[f64]| -> f64 {
+            places.iter().zip(curve).map(|(x, value)| self.setup.area(*x) * value).sum()
+        };
+        sum(values) / sum(truth)
+    }
+
+    /// Whether a place counts: there is light beside the shape, and it is not at the rim, where pixels are lit in part.
+    fn counting(&self, truth: &[f64]) -> Vec<bool> {
+        let peak = truth.iter().copied().fold(0.0, f64::max);
+        let seen = |(x, value): (&f64, &f64)| {
+            let is_bright = self.setup == Setup::Edge && *value > 1.0 - LEAST;
+            *value > LEAST * peak && !is_bright && (x.abs() - self.setup.rim()).abs() > self.pixel
+        };
+        self.bins.places.iter().zip(truth).map(seen).collect()
+    }
+
+    /// RMS difference of two curves, of a disk and a line the second with as much light as the first.
+    fn rms(&self, values: &[f64], curve: &[f64], counting: &[bool]) -> f64 {
+        let light = |curve: &[f64]| -> f64 {
+            self.bins.places.iter().zip(curve).map(|(x, value)| self.setup.area(*x) * value).sum()
+        };
+        let scale = if self.setup == Setup::Edge { 1.0 } else { light(values) / light(curve).max(1e-300) };
+        let (mut sum, mut count) = (0.0, 0.0);
+        for i in (0..values.len()).filter(|i| counting[*i]) {
+            sum += (values[i] - scale * curve[i]).powi(2);
+            count += 1.0;
+        }
+        if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
+    }
+
+    /// Place on the dark side, or from the center on, at which a curve falls to a part of its light; not a number if it does
+    /// not.
+    fn width(&self, curve: &[f64], level: f64) -> f64 {
+        let places = &self.bins.places;
+        let first = places.partition_point(|x| *x <= 0.0);
+        let whole = if self.setup == Setup::Edge { 1.0 } else { curve.get(first).copied().unwrap_or(0.0) };
+        let level = level * whole;
+        for i in first.max(1)..places.len() {
+            let [before, after] = [curve[i - 1], curve[i]];
+            if after <= level {
+                let part = if before > level { (before - level) / (before - after) } else { 1.0 };
+                return places[i - 1] + part * (places[i] - places[i - 1]);
+            }
+        }
+        f64::NAN
+    }
+
+    /// Where the truth falls to a quarter, beyond the picture.
+    fn wanted(&self, subject: &Subject<'_>) -> Result<f64, Unjudged> {
+        let mut places: Vec<f64> =
+            (0..400).map(|i| 0.25 * self.pixel * libm::exp(0.03 * f64::from(i))).collect();
+        places.insert(0, 0.0);
+        let shapes: Vec<LitShape> = places.iter().map(|place| self.setup.shape(*place)).collect();
+        let truth = Subject { shapes: &shapes, ..*subject }.truth(1.0)?;
+        let bins = Bins { places, ..Bins::default() };
+        Ok(Self { bins, ..self.clone() }.width(&truth, LEVELS[0]))
+    }
+
+    /// Whether light depends on the direction from a disk's center, beyond its rim and noise.
+    fn is_separable(&self, scale: f64, counting: &[bool]) -> bool {
+        let Some([axes, diagonals]) = &self.bins.directions else { return false };
+        let both: Vec<[f64; 2]> = (0..counting.len())
+            .filter(|i| counting[*i] && self.bins.places[*i] > self.setup.rim() + self.pixel)
+            .map(|i| [axes[i] / scale, diagonals[i] / scale])
+            .collect();
+        let difference: f64 = both.iter().map(|[a, b]| a - b).sum();
+        let light: f64 = both.iter().map(|[a, b]| a + b).sum();
+        difference.abs() > SEPARABLE * light
+    }
+}
+
+/// Difference of light along axes and diagonals over all of it, above which a gather is separable.
+const SEPARABLE: f64 = 0.05;
+
+/// The cause that is closest; one without a parameter if that is not much farther.
+fn closest(candidates: Vec<Candidate>, distance: &dyn Fn(&[f64]) -> f64) -> Option<(Candidate, f64)> {
+    let is_plain = |cause: &Cause| matches!(cause, Cause::NormalizedDiffusion | Cause::Configuration);
+    let weighed = candidates.into_iter().map(|candidate| {
+        let left = distance(&candidate.curve);
+        let weight = if is_plain(&candidate.cause) { SIMPLER } else { 1.0 };
+        (candidate, left, weight * left)
+    });
+    let best = weighed.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    Some((best.0, best.1))
+}
+
+/// Value between places, none outside.
+fn at(places: &[f64], values: &[f64], x: f64) -> Option<f64> {
+    let i = places.partition_point(|place| *place <= x);
+    if i == 0 || i == places.len() {
+        return None;
+    }
+    let part = (x - places[i - 1]) / (places[i] - places[i - 1]);
+    Some(values[i - 1] + part * (values[i] - values[i - 1]))
+}
+
+impl Judgement {
+    /// Greatest difference of the widths that both have, as a part.
+    pub fn width_error(&self) -> f64 {
+        let errors = self.widths.iter().map(|[found, truth]| found / truth - 1.0).filter(|e| e.is_finite());
+        errors.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+    }
+
+    fn has_right_shape(&self) -> bool {
+        self.rms <= RIGHT_RMS && self.width_error().abs() <= RIGHT_WIDTH
+    }
+
+    /// "right", the part that is to be mended, or "unknown".
+    pub fn verdict(&self) -> &'static str {
+        match self.causes.first().map(Cause::part) {
+            Some(Part::Profile) => "profile",
+            Some(Part::Gather) => "gather",
+            None if self.has_right_shape() => "right",
+            None => "unknown",
+        }
+    }
+
+    fn words(&self, appearance: &Appearance, configuration: Configuration) -> Result<String, ParameterError> {
+        let percent = |part: f64| format!("{:.1} %", 100.0 * part.abs());
+        let [rms, width] = [self.rms, self.width_error()].map(percent);
+        let light =
+            self.light_error.map_or(String::new(), |error| format!(", {} of all light", percent(error)));
+        if self.verdict() == "right" {
+            return Ok(format!("right within {rms} (RMS), {width} of its width{light}"));
+        }
+        let alpha = single_scattering_albedo(appearance.surface_albedo, 1.0, Incidence::from(configuration))?;
+        let dmfp = if alpha < 1.0 { Medium::from_mfp(alpha, 1.0, 0.0)?.dmfp() } else { f64::INFINITY };
+        let advice = |cause: &Cause| cause.advice(appearance.surface_albedo, dmfp);
+        let mut advices: Vec<String> = self.causes.iter().map(advice).collect();
+        if !self.has_right_shape() && !self.causes.iter().any(|cause| !matches!(cause, Cause::Light(_))) {
+            advices.push(String::from(
+                "the shape is none of those that are known: compare the kernel's weights with the table `profile` of the \
+                 oracle",
+            ));
+        }
+        Ok(format!("{} (off by {rms} RMS, {width} of its width{light})", advices.join("; and ")))
+    }
+}
+
+/// Picture, truth and explanation of some channels by place; `unit` is that of lengths.
+pub fn judgement_chart(channels: &[(&str, &Judgement)], unit: &str) -> Chart {
+    let mut chart = Chart::new(
+        "judgement",
+        "The pass beside the exact light",
+        Axis::linear("distance", unit),
+        Axis::logarithmic("light", "of a large lit shape").between(2e-3, 1.3),
+    );
+    for (i, (name, judgement)) in channels.iter().enumerate() {
+        let [places, values, truth, explained] = &judgement.curves;
+        let points = |curve: &[f64]| places.iter().zip(curve).map(|(x, y)| [*x, *y]).collect::<Vec<_>>();
+        chart.series.push(Series::new(&format!("{name}: exact"), Ink::Reference, Mark::Line, points(truth)));
+        if !explained.is_empty() {
+            let label = format!("{name}: explanation");
+            chart.series.push(Series::new(&label, Ink::Numbered(i + 3), Mark::Line, points(explained)));
+        }
+        chart.series.push(Series::new(
+            &format!("{name}: picture"),
+            Ink::Numbered(i),
+            Mark::Points,
+            points(values),
+        ));
+    }
+    chart
+}
+
+/// The diffuse mean free path of a material as its length, or the mean free path.
+pub fn appearance(surface_albedo: f64, length: f64, is_dmfp: bool) -> Appearance {
+    let parameterization = if is_dmfp { Parameterization::Dmfp } else { Parameterization::Mfp };
+    Appearance { surface_albedo, length, parameterization, g: 0.0 }
+}
+
+#[cfg(test)]
+mod tests;
