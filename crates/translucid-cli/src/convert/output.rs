@@ -5,7 +5,7 @@ use std::path::Path;
 
 use translucid_files::check_writable;
 use translucid_laboratory::Cell;
-use translucid_profile::convention::{ConvertedNumber, LengthUnit, Role, System};
+use translucid_profile::convention::{ConvertedNumber, Role, System};
 
 use crate::failure::Failure;
 use crate::files::write_file;
@@ -28,11 +28,7 @@ pub(super) fn write(
 pub(super) fn list() -> String {
     let mut text = String::from("system                 length in  parameters and rule\n");
     for system in System::ALL {
-        let unit = match system.unit {
-            LengthUnit::Scene => "scene unit",
-            LengthUnit::Millimeter => "mm",
-            LengthUnit::Centimeter => "cm",
-        };
+        let unit = system.unit.name().unwrap_or("scene unit");
         let parameters: Vec<String> = system
             .parameters
             .iter()

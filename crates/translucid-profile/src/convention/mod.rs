@@ -55,6 +55,7 @@ mod channel;
 mod conversion;
 mod cycles_walk;
 mod known;
+mod multiscatter;
 mod parameter;
 mod preset;
 mod rule;
