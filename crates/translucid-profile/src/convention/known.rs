@@ -333,7 +333,7 @@ const KNOWN: &[System] = &[
         "substrate",
         "Unreal Engine, Substrate Slab",
         "5.2 and later",
-        &[length("SSS MFP"), distance("SSS MFP Scale")],
+        &[length("SSSMFP"), distance("SSSMFPScale")],
         Rule::Mfp(Factor::One),
         "mfp = length",
         document("dev.epicgames.com, Overview of Substrate Materials: the distance in centimeters before a collision"),

@@ -53,10 +53,7 @@ pub enum Role {
 impl Role {
     /// Returns whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
-        matches!(
-            self,
-            Self::Length | Self::Attenuation | Self::Filter | Self::Absorption | Self::Scattering
-        )
+        matches!(self, Self::Length | Self::Attenuation | Self::Filter | Self::Absorption | Self::Scattering)
     }
 
     /// Returns whether it is part of the length, so that stating it states one.

@@ -58,6 +58,10 @@ pub(super) fn write(
     let has_distance = system.parameters.iter().any(|p| p.role == Role::Distance);
     let chosen = system.parameters.iter().find(|p| p.role == Role::Distance).and_then(given);
     let greatest = lengths.iter().copied().fold(0.0, f64::max);
+    // A color of e^(−300) still has all its digits
+    let has_attenuation = system.parameters.iter().any(|p| p.role == Role::Attenuation);
+    let least = lengths.iter().copied().filter(|length| *length > 0.0).fold(f64::INFINITY, f64::min);
+    let greatest = if has_attenuation { greatest.min(300.0 * least) } else { greatest };
     let distance = if has_distance { chosen.map_or(greatest, |setting| setting.value(0)) } else { 1.0 };
 
     // Print every parameter, the surface albedo first
@@ -104,6 +108,13 @@ pub(super) fn write(
     let note = channels.iter().any(is_beyond).then(|| {
         let name = system.name;
         format!("{name} reaches a surface albedo of {brightest:.3}: brighter channels become that")
+    });
+    let is_faint = |length: &f64| has_attenuation && *length > 0.0 && distance < 1e-6 * length;
+    let note = note.or_else(|| {
+        let name = system.name;
+        lengths.iter().any(is_faint).then(|| {
+            format!("{name} holds a length a million times the distance of its color in few digits or none")
+        })
     });
     Ok((rows, note.or_else(|| note_of_short_lengths(system, &lengths))))
 }
