@@ -151,7 +151,7 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--to c --what material --preset skin1", "--to is c, but must be one of materialx for material"),
         (
             "--to materialx --what fresnel --eta 1.4",
-            "--eta is 1.4, but must be 1 without inversion or moments",
+            "--eta is 1.4, but must be 1 without inversion, transmittance or moments",
         ),
         ("--to materialx --what material", "--what is material, but must be a profile, sampler or other"),
         ("--to materialx --what profile --preset skin1", "--what is functions, but must be material too"),

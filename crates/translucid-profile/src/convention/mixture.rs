@@ -17,8 +17,8 @@ use crate::{Configuration, Parameterization, scaling};
 /// Points of the integral over the radius.
 const POINTS: usize = 1000;
 /// Widths that are tried, and steps that narrow the best one down.
-const WIDTHS: usize = 48;
-const STEPS: usize = 40;
+const WIDTHS: usize = 96;
+const STEPS: usize = 60;
 
 /// A channel that stands for a mixture of three, and how well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl MixedChannel {
     }
 }
 
-/// The width at which a function is least, from the least to the greatest of some widths, or one of them.
+/// The width at which a function is least, from a quarter of the least to four times the greatest of some widths, or one of them.
 fn least(widths: &[f64; 3], of: &dyn Fn(f64) -> f64) -> f64 {
     let positive = || widths.iter().copied().filter(|d| *d > 0.0);
     let (from, to) = (positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max));
@@ -86,8 +86,8 @@ fn least(widths: &[f64; 3], of: &dyn Fn(f64) -> f64) -> f64 {
         // One width, or none; beside Lambertian channels either may be the nearer
         return widths.iter().copied().min_by(|a, b| of(*a).total_cmp(&of(*b))).unwrap_or(0.0);
     }
-    // By ln d, first coarsely, since there may be several minima
-    let (from, to) = (libm::log(from), libm::log(to));
+    // By ln d, first coarsely, since there may be several minima; negative weights lead beyond the old widths
+    let (from, to) = (libm::log(0.25 * from), libm::log(4.0 * to));
     let step = (to - from) / (WIDTHS - 1) as f64;
     let at = |i: usize| from + step * i as f64;
     let value = |x: f64| of(libm::exp(x));
@@ -186,11 +186,23 @@ mod tests {
             assert!(mixed.misplaced <= mixed.misplaced_if_kept, "{mixed:?}");
             assert!(mixed.misplaced <= mixed.misplaced_if_color, "{mixed:?}");
             let shares = [0, 1, 2].map(|j| ACESCG[row][j] * albedos[j] / a);
-            for i in 1..60 {
-                let other = 0.4 * 1.04f64.powi(i);
+            for i in 1..100 {
+                let other = 0.2 * 1.04f64.powi(i);
                 assert!(misplaced(&shares, &widths, other) > mixed.misplaced - 1e-6, "{row} {other}");
             }
         }
+    }
+
+    /// From primaries that hold the new ones weights are negative, and the nearest width may be beyond all old ones.
+    #[test]
+    fn negative_weights_lead_beyond_the_old_widths() {
+        let back = [[1.705, -0.6218, -0.0832], [-0.1303, 1.1408, -0.0105], [-0.024, -0.129, 1.153]];
+        let old = channels([0.6253, 0.3849, 0.2413], [0.8, 0.5, 0.25]);
+        for mixed in MixedChannel::of(&old, &back, Configuration::Diffuse).unwrap() {
+            assert!(mixed.misplaced <= mixed.misplaced_if_kept, "{mixed:?}");
+            assert!(mixed.misplaced <= mixed.misplaced_if_color, "{mixed:?}");
+        }
+        assert!(MixedChannel::of(&old, &back, Configuration::Diffuse).unwrap()[0].channel.d() > 0.8);
     }
 
     #[test]
