@@ -163,10 +163,11 @@ mod tests {
         for pair in table.values.windows(2) {
             assert!((0..3).all(|c| pair[1][c] <= pair[0][c] + 1e-9), "{pair:?}");
         }
-        assert!(table.error > 1e-5 && table.error < 0.02, "{}", table.error);
+        // T falls by 2h in a black channel, linearly, which is a parabola of the root
+        assert!(table.error > 0.01 && table.error < 0.032, "{}", table.error);
         let short = Material { surface_albedo: [0.2; 3], ..MATERIAL };
         let short = TransmittanceTable::new(&short, Configuration::Searchlight, [0.5, 1.4], 9, None).unwrap();
-        assert!(short.most_thickness < 16.0 && short.values[8][0] < LEAST, "{:?}", short.values);
+        assert!(short.most_thickness < 64.0 && short.values[8][0] < LEAST, "{:?}", short.values);
         // Two faces pass what they do not reflect: 1 − 2F/(1 + F)
         let f = (0.4f64 / 2.4).powi(2);
         assert!((short.values[0][0] - (1.0 - f) / (1.0 + f)).abs() < 1e-4, "{:?}", short.values);
