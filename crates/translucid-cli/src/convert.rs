@@ -1,13 +1,19 @@
 //! `translucid convert`: the same material in every other system's numbers.
 
+mod color_space;
 mod output;
 mod setting;
+mod thin;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_profile::convention::{ArgumentNames, Conversion, conversion_system_names};
+use translucid_profile::convention::{
+    ArgumentNames, Channel, Conversion, Setting, SurfaceAlbedo, conversion_system_names,
+};
 
+use self::color_space::ColorSpaceArguments;
+use self::thin::ThinArguments;
 use crate::failure::Failure;
 use crate::messages;
 use crate::model::{ConfigurationName, UnitName};
@@ -25,7 +31,15 @@ between systems that walk or solve a medium. From one kind to the other d = mfp/
 --configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic;
 pbrt's g is replaced by the similar isotropic medium.
 
-Lengths are in --unit if a system takes scene units; Unreal's are always in cm and Unity HDRP's in mm.
+Lengths are in --unit if a system takes scene units; Unreal's are always in cm, Unity HDRP's in mm and glTF's in m.
+
+--thin prints what a slab of the material reflects and passes, exactly, the thin-walled surface of OpenPBR, Blender and
+glTF that stands for it, and the errors of that, all as shares of the light that arrives.
+
+--color-space prints the numbers for channels of other primaries: surface albedos change as colors do, and each new
+channel is the medium nearest to the mixture of old channels that it is. The rows `color space` have the share of the
+light that leaves at another radius than that mixture's: so, if lengths were kept, and if they changed as colors do.
+Linear color spaces: SPACES.
 
 Systems: SYSTEMS.
 Their parameters and rules: --from list, and docs/guide/conventions.md.
@@ -37,11 +51,15 @@ Examples:
   translucid convert --from cycles-burley:subsurface_radius=1,0.2,0.1 \\
       --from cycles-burley:subsurface_scale=0.05 --surface-albedo 0.8 --unit m --to unreal,hdrp --format text
   translucid convert --from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00
-  translucid convert --from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1";
+  translucid convert --from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1
+  translucid convert --from translucid:mfp=0.3,0.2,0.1 --surface-albedo 0.8,0.6,0.3 --thin 0.2 --format text
+  translucid convert --from translucid:mfp=3.7,1.4,0.7 --surface-albedo 0.44,0.22,0.13 --color-space acescg --to openpbr";
 
 /// Converts a material to the parameters of other renderers and engines
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES.replace("SYSTEMS", &conversion_system_names().join(", ")))]
+#[command(after_help = EXAMPLES
+    .replace("SYSTEMS", &conversion_system_names().join(", "))
+    .replace("SPACES", &translucid_load::LINEAR_SPACES.join(", ")))]
 pub(crate) struct ConvertArguments {
     /// A parameter of the source system, repeated for each parameter; or `list` for all systems
     #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE", required = true)]
@@ -64,6 +82,10 @@ pub(crate) struct ConvertArguments {
     /// How light enters, for the fit between the width of a profile and the mean free path of a medium
     #[arg(long, value_enum, default_value = "diffuse")]
     configuration: ConfigurationName,
+    #[command(flatten)]
+    color_space: ColorSpaceArguments,
+    #[command(flatten)]
+    thin: ThinArguments,
     /// File to write instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -88,7 +110,46 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         configuration: arguments.configuration.into(),
         names: ArgumentNames { from: "--from", surface_albedo: "--surface-albedo", to: "--to", set: "--set" },
     };
-    let converted = conversion.run()?;
+    let write = |numbers: &[_], more: &[_]| {
+        output::write(numbers, more, arguments.format, arguments.output.as_deref())
+    };
+    let Some(matrix) = arguments.color_space.matrix()? else {
+        if arguments.thin.is_asked() {
+            return write(&[], &arguments.thin.rows(&channels(&conversion)?)?);
+        }
+        let converted = conversion.run()?;
+        converted.notes.iter().for_each(|note| messages::print_note(note));
+        return write(&converted.numbers, &[]);
+    };
+    let old = channels(&conversion)?;
+    let (mixed, rows) = arguments.color_space.mixed(&old, &matrix, conversion.configuration)?;
+    let mixed = mixed.map(|mixed| mixed.channel);
+    if arguments.thin.is_asked() {
+        return write(&[], &[arguments.thin.rows(&mixed)?, rows].concat());
+    }
+    let converted = Conversion {
+        from: &[Setting::new("--from", "translucid", "d", mixed.map(|channel| channel.d()).to_vec())?],
+        surface_albedo: &mixed.map(|channel| channel.albedo().of_channel()),
+        ..conversion
+    }
+    .run()?;
     converted.notes.iter().for_each(|note| messages::print_note(note));
-    output::write(&converted.numbers, arguments.format, arguments.output.as_deref())
+    write(&converted.numbers, &rows)
+}
+
+/// The material that a conversion starts from, with lengths in the unit of its scene.
+fn channels(conversion: &Conversion<'_>) -> Result<Vec<Channel>, Failure> {
+    let own = Conversion { to: &["translucid"], set: &[], to_unit: conversion.unit, ..*conversion };
+    let numbers = own.run()?.numbers;
+    let of = |parameter: &str| -> Vec<f64> {
+        numbers.iter().filter(|row| row.parameter == parameter).map(|row| row.value).collect()
+    };
+    let (albedos, widths) = (of("surface_albedo"), of("d"));
+    let greatest = albedos.iter().copied().fold(0.0, f64::max);
+    albedos
+        .iter()
+        .zip(widths)
+        .map(|(a, d)| Channel::from_d(SurfaceAlbedo::new(*a, greatest)?, d, conversion.configuration))
+        .collect::<Result<_, _>>()
+        .map_err(|error| Failure::input(format!("the material has no channels: {error}")))
 }

@@ -34,6 +34,7 @@ Examples:
   translucid export --to osl --what inversion --g 0.8 --eta 1.4
   translucid export --to hlsl --what disk,kernel --preset skin1 --taps 17 -o skin.hlsl
   translucid export --to exr --what lut --model exact --preset skin1 -o skin.exr
+  translucid export --to hlsl --what transmittance --preset skin1 --eta 1.4 -o skin.hlsl
   translucid export --to materialx --what material --preset marble --unit cm -o marble.mtlx";
 
 /// Writes profiles as text for other renderers: shaders, C, C++, OSL, MaterialX
@@ -86,21 +87,24 @@ pub(crate) struct ExportArguments {
     /// How light enters the medium [default: diffuse, with --dmfp searchlight]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
-    /// Mean cosine of the phase function, for an inversion, in [-0.95, 0.95]
+    /// Mean cosine of the phase function, for an inversion and a transmittance, in [-0.95, 0.95]
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     g: f64,
-    /// Relative index of refraction, for an inversion and for moments of the Fresnel reflectance
+    /// Relative index of refraction, for an inversion, a transmittance and moments of the Fresnel reflectance
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     eta: f64,
     /// Number of taps of a disk or a kernel, 3 to 1024 [default: 25]
     #[arg(long, value_name = "N")]
     taps: Option<usize>,
-    /// Columns and rows of a lut, 2 to 1024 each [default: 128x32]
+    /// Columns and rows of a lut, 2 to 1024 each; a transmittance has the columns [default: 128x32]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[usize; 2]>,
     /// Greatest curvature of a lut, per length [default: 1 over the longest length of the material]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     most_curvature: Option<f64>,
+    /// Greatest thickness of a transmittance [default: where little light is left]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    most_thickness: Option<f64>,
     /// File to write instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -176,6 +180,7 @@ fn sizes(arguments: &ExportArguments) -> Sizes {
         taps: arguments.taps.unwrap_or(usual.taps),
         lut: arguments.size.unwrap_or(usual.lut),
         most_curvature: arguments.most_curvature,
+        most_thickness: arguments.most_thickness,
     }
 }
 
@@ -245,6 +250,7 @@ fn name_option(arguments: &ExportArguments, error: &ExportError) -> Failure {
         "taps" => "--taps",
         "size" => "--size",
         "most_curvature" => "--most-curvature",
+        "most_thickness" => "--most-thickness",
         "to" => "--to",
         "what" => "--what",
         other => other,

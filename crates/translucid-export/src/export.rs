@@ -24,6 +24,8 @@ use crate::number::literal;
 use crate::subject::Subject;
 use crate::sum::{Sum, Terms};
 use crate::target::Target;
+#[cfg(not(target_family = "wasm"))]
+use crate::transmittance::TransmittanceTable;
 
 /// Sizes of tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +36,9 @@ pub struct Sizes {
     pub lut: [usize; 2],
     /// Greatest curvature of a pre-integrated table \[L⁻¹\]; without one, 1 over the longest length.
     pub most_curvature: Option<f64>,
+    /// Greatest thickness of transmittances \[L\], which have as many columns as a pre-integrated table; without one, where
+    /// little light is left.
+    pub most_thickness: Option<f64>,
 }
 
 impl Sizes {
@@ -45,7 +50,7 @@ impl Sizes {
 
 impl Default for Sizes {
     fn default() -> Self {
-        Self { taps: 25, lut: [128, 32], most_curvature: None }
+        Self { taps: 25, lut: [128, 32], most_curvature: None, most_thickness: None }
     }
 }
 
@@ -113,7 +118,13 @@ impl Export<'_> {
                 Ok(materialx::document(&head, self.command, &definitions).into_bytes())
             }
             #[cfg(not(target_family = "wasm"))]
-            Target::Image(format) => image::encode(&self.curvature_table()?, format),
+            Target::Image(format) if self.subjects == [Subject::Transmittance] => {
+                image::encode(&image::Table::of_transmittances(&self.transmittances()?), format)
+            }
+            #[cfg(not(target_family = "wasm"))]
+            Target::Image(format) => {
+                image::encode(&image::Table::of_curvatures(&self.curvature_table()?), format)
+            }
             #[cfg(target_family = "wasm")]
             Target::Image(format) => {
                 Err(ExportError::new("to", format.name(), "a text: WebAssembly makes no images"))
@@ -134,14 +145,14 @@ impl Export<'_> {
                 let allowed = "a profile, sampler or other function without a material: it is of one";
                 return Err(ExportError::new("what", subject.name(), allowed));
             }
-            if subject.is_table() && self.models.len() != 1 {
+            if subject.is_table() && subject != Subject::Transmittance && self.models.len() != 1 {
                 let models: Vec<&str> = self.models.iter().map(|model| model.name()).collect();
                 let allowed = format!("one, as {} is of one", subject.name());
                 return Err(ExportError::new("model", models.join(","), allowed));
             }
         }
         if matches!(self.target, Target::Image(_)) && self.subjects.len() != 1 {
-            return Err(ExportError::new("what", "several", "lut alone for an image"));
+            return Err(ExportError::new("what", "several", "lut or transmittance alone for an image"));
         }
         if let (Some(model), None) = (self.summed().next(), self.material) {
             let allowed = MODELS.map(Model::name).join(", ");
@@ -163,26 +174,30 @@ impl Export<'_> {
                 "material too, to say a material in MaterialX",
             ));
         }
-        if self.g != 0.0 && !has(Subject::Inversion) {
-            return Err(ExportError::new("g", self.g.to_string(), "0 without inversion"));
+        let has_medium = has(Subject::Inversion) || has(Subject::Transmittance);
+        if self.g != 0.0 && !has_medium {
+            return Err(ExportError::new("g", self.g.to_string(), "0 without inversion or transmittance"));
         }
         // Moments are constants, which MaterialX has none of
         let has_moments = has(Subject::Fresnel) && self.target != Target::MaterialX;
-        if self.eta != 1.0 && !has(Subject::Inversion) && !has_moments {
+        if self.eta != 1.0 && !has_medium && !has_moments {
             return Err(ExportError::new(
                 "eta",
                 self.eta.to_string(),
-                "1 without inversion or moments of fresnel",
+                "1 without inversion, transmittance or moments of fresnel",
             ));
         }
         require(ETA.contains(&self.eta), "eta", self.eta, "in [0.05, 20]")?;
-        let Sizes { taps, lut, most_curvature } = self.sizes;
+        let Sizes { taps, lut, most_curvature, most_thickness } = self.sizes;
         require(Sizes::TAPS.contains(&taps), "taps", taps as f64, "in [3, 1024]")?;
         for side in lut {
             require(Sizes::LUT.contains(&side), "size", side as f64, "in [2, 1024] each")?;
         }
         if let Some(curvature) = most_curvature {
             require(curvature > 0.0 && curvature <= 1e18, "most_curvature", curvature, "in (0, 1e18]")?;
+        }
+        if let Some(thickness) = most_thickness {
+            require(thickness > 0.0 && thickness <= 1e18, "most_thickness", thickness, "in (0, 1e18]")?;
         }
         Ok(())
     }
@@ -268,6 +283,14 @@ impl Export<'_> {
             Subject::Disk => Ok(Disk::new(&self.profiles(self.models[0])?, taps).text(language)),
             Subject::Kernel => Ok(Kernel::new(&self.profiles(self.models[0])?, taps | 1).text(language)),
             Subject::Lut => Ok(self.curvature_table()?.text(language)),
+            #[cfg(not(target_family = "wasm"))]
+            Subject::Transmittance => Ok(self.transmittances()?.text(language)),
+            #[cfg(target_family = "wasm")]
+            Subject::Transmittance => Err(ExportError::new(
+                "what",
+                subject.name(),
+                "made by the command: WebAssembly solves no slabs",
+            )),
             _ => Ok(String::new()),
         };
         self.subjects.iter().map(table).collect::<Result<Vec<_>, ExportError>>().map(|tables| tables.concat())
@@ -277,6 +300,15 @@ impl Export<'_> {
         let Sizes { lut, most_curvature, .. } = self.sizes;
         let longest = self.material.map_or(1.0, |material| material.length.into_iter().fold(0.0, f64::max));
         Ok(CurvatureTable::new(&self.profiles(self.models[0])?, lut, most_curvature.unwrap_or(1.0 / longest)))
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    fn transmittances(&self) -> Result<TransmittanceTable, ExportError> {
+        let Some(material) = &self.material else {
+            return Err(ExportError::new("what", "a table", "of a material"));
+        };
+        let Sizes { lut: [columns, _], most_thickness, .. } = self.sizes;
+        TransmittanceTable::new(material, self.configuration, [self.g, self.eta], columns, most_thickness)
     }
 
     /// Profiles of red, green, blue.
@@ -299,8 +331,12 @@ impl Export<'_> {
 
     /// The comment that a text begins with, with errors of one language and names of another.
     fn head(&self, functions: &[Function], errors: Language, names: Language) -> String {
-        let needs_no_model =
-            |subject: &Subject| matches!(subject, Subject::Fresnel | Subject::Inversion | Subject::Material);
+        let needs_no_model = |subject: &Subject| {
+            matches!(
+                subject,
+                Subject::Fresnel | Subject::Inversion | Subject::Material | Subject::Transmittance
+            )
+        };
         let mut paragraphs: Vec<String> = self
             .subjects
             .iter()

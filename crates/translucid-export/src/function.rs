@@ -342,6 +342,8 @@ pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
             Terms::Exponentials => [&EXPONENTIALS_DENSITIES[..], &[EXPONENTIALS_SAMPLE]].concat(),
             Terms::Gaussians => [&GAUSSIANS_DENSITIES[..], &[GAUSSIANS_SAMPLE]].concat(),
         },
-        (Subject::Disk | Subject::Lut | Subject::Kernel | Subject::Material, _) => Vec::new(),
+        (Subject::Disk | Subject::Lut | Subject::Kernel | Subject::Transmittance | Subject::Material, _) => {
+            Vec::new()
+        }
     }
 }

@@ -120,6 +120,12 @@ entered which leaves again. Errors below come on top of that of the fit, which s
 subsurface_radius times subsurface_radius_scale the mean free path, in the unit of the scene. A host that shades
 MaterialX's subsurface_bsdf by the shaders that MaterialX generates takes the latter for the width of a profile.",
         ),
+        Subject::Transmittance => Some(
+            "Light through thin parts of a material: the transmittance of plane slabs by their thickness, between air.
+
+Discrete directions (S. Chandrasekhar, Radiative Transfer, 1950) to 1e-6, for isotropic scattering or a phase function of
+L. G. Henyey and J. L. Greenstein, with the faces of an index of refraction other than 1.",
+        ),
         Subject::Profile | Subject::Sampler | Subject::Disk | Subject::Lut | Subject::Kernel => None,
     }
 }

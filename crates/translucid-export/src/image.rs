@@ -1,4 +1,4 @@
-//! Pre-integrated tables as images: linear values, columns and rows as in the table.
+//! Tables as images: linear values, columns and rows as in the table.
 
 use std::io::{Cursor, Write};
 
@@ -9,9 +9,47 @@ use zip::{CompressionMethod, ZipWriter};
 use crate::curvature_table::CurvatureTable;
 use crate::error::ExportError;
 use crate::image_format::ImageFormat;
+use crate::transmittance::TransmittanceTable;
+
+/// Values of red, green, blue, row by row.
+pub(crate) struct Table<'a> {
+    name: &'static str,
+    size: [usize; 2],
+    values: &'a [[f64; 3]],
+    /// What columns and rows are.
+    note: String,
+    /// The number that they end with, and its name.
+    most: (&'static str, f64),
+}
+
+impl<'a> Table<'a> {
+    pub(crate) fn of_curvatures(table: &'a CurvatureTable) -> Self {
+        let most = table.most_curvature;
+        Self {
+            name: "lut",
+            size: table.size,
+            values: &table.values,
+            note: format!(
+                "pre-integrated light on a sphere: columns N.L from -1 to 1, rows curvature from 0 to {most} per length"
+            ),
+            most: ("most_curvature", most),
+        }
+    }
+
+    pub(crate) fn of_transmittances(table: &'a TransmittanceTable) -> Self {
+        let (most, last) = (table.most_thickness, table.values.len() - 1);
+        Self {
+            name: "transmittance",
+            size: [table.values.len(), 1],
+            values: &table.values,
+            note: format!("transmittance of a slab: column i is the thickness {most} (i/{last})^2"),
+            most: ("most_thickness", most),
+        }
+    }
+}
 
 /// The bytes of a file.
-pub(crate) fn encode(table: &CurvatureTable, format: ImageFormat) -> Result<Vec<u8>, ExportError> {
+pub(crate) fn encode(table: &Table<'_>, format: ImageFormat) -> Result<Vec<u8>, ExportError> {
     // Memory takes whatever is written
     let failed = |error: &dyn std::fmt::Display| ExportError::new("to", format.name(), error.to_string());
     match format {
@@ -19,7 +57,7 @@ pub(crate) fn encode(table: &CurvatureTable, format: ImageFormat) -> Result<Vec<
         ImageFormat::Png => {
             let codes: Vec<u8> =
                 table.values.iter().flatten().map(|v| (255.0 * v).round().clamp(0.0, 255.0) as u8).collect();
-            let description = format!("{}; linear", note(table));
+            let description = format!("{}; linear", table.note);
             CodedPicture::rgb(table.size, &codes)
                 .with_text("Description", &description)
                 .encode()
@@ -30,15 +68,7 @@ pub(crate) fn encode(table: &CurvatureTable, format: ImageFormat) -> Result<Vec<
     }
 }
 
-/// What columns and rows are.
-fn note(table: &CurvatureTable) -> String {
-    format!(
-        "pre-integrated light on a sphere: columns N.L from -1 to 1, rows curvature from 0 to {} per length",
-        table.most_curvature
-    )
-}
-
-fn exr(table: &CurvatureTable) -> std::io::Result<Vec<u8>> {
+fn exr(table: &Table<'_>) -> std::io::Result<Vec<u8>> {
     let [width, height] = table.size;
     let row = |y: u32, values: &mut [f64]| {
         let start = y as usize * width;
@@ -49,14 +79,14 @@ fn exr(table: &CurvatureTable) -> std::io::Result<Vec<u8>> {
     let channels = ["R", "G", "B"].map(PictureChannel::single).to_vec();
     let mut picture = Picture::new([width as u32, height as u32], channels, row);
     picture.software = format!("translucid {}", env!("CARGO_PKG_VERSION"));
-    picture.metadata.push((String::from("translucid.lut"), MetadataValue::Text(note(table))));
+    picture.metadata.push((format!("translucid.{}", table.name), MetadataValue::Text(table.note.clone())));
     let mut file = Cursor::new(Vec::new());
     picture.write_exr(&mut file)?;
     Ok(file.into_inner())
 }
 
 /// A DDS file of one texture: magic, `DDS_HEADER`, `D3DFMT_A32B32G32R32F`, pixels.
-fn dds(table: &CurvatureTable) -> Vec<u8> {
+fn dds(table: &Table<'_>) -> Vec<u8> {
     const CAPS_HEIGHT_WIDTH_PITCH_FORMAT: u32 = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000;
     const FOUR_CC: u32 = 0x4;
     const A32B32G32R32F: u32 = 116;
@@ -74,20 +104,20 @@ fn dds(table: &CurvatureTable) -> Vec<u8> {
     header[26] = TEXTURE;
     let mut file = b"DDS ".to_vec();
     file.extend(header.into_iter().flat_map(u32::to_le_bytes));
-    for [red, green, blue] in &table.values {
+    for [red, green, blue] in table.values {
         file.extend([*red, *green, *blue, 1.0].into_iter().flat_map(|v| (v as f32).to_le_bytes()));
     }
     file
 }
 
-fn npz(table: &CurvatureTable) -> zip::result::ZipResult<Vec<u8>> {
+fn npz(table: &Table<'_>) -> zip::result::ZipResult<Vec<u8>> {
     let [width, height] = table.size;
     let mut file = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     let values: Vec<f64> = table.values.iter().flatten().copied().collect();
     for (name, shape, values) in [
-        ("lut", format!("({height}, {width}, 3)"), values),
-        ("most_curvature", String::from("()"), vec![table.most_curvature]),
+        (table.name, format!("({height}, {width}, 3)"), values),
+        (table.most.0, String::from("()"), vec![table.most.1]),
     ] {
         file.start_file(format!("{name}.npy"), options)?;
         file.write_all(&npy(&shape, &values))?;
@@ -126,10 +156,10 @@ mod tests {
             (ImageFormat::Dds, b"DDS \x7c\0\0\0"),
             (ImageFormat::Npz, b"PK\x03\x04"),
         ] {
-            let bytes = encode(&table(), format).unwrap();
+            let bytes = encode(&Table::of_curvatures(&table()), format).unwrap();
             assert!(bytes.starts_with(magic), "{format:?}");
         }
-        assert_eq!(encode(&table(), ImageFormat::Dds).unwrap().len(), 128 + 6 * 16);
+        assert_eq!(encode(&Table::of_curvatures(&table()), ImageFormat::Dds).unwrap().len(), 128 + 6 * 16);
         assert_eq!(npy("(2,)", &[1.0, 2.0]).len() % 64, 16);
     }
 }

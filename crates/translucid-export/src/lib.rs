@@ -11,7 +11,7 @@
 //! Lengths are in any one unit that the caller keeps to.
 //!
 //! # Out of scope
-//! Files: an export is bytes. Scenes, pictures. In WebAssembly images, too.
+//! Files: an export is bytes. Scenes, pictures. In WebAssembly images and transmittances, too.
 //!
 //! ```
 //! use translucid_export::{Export, Language, Sizes, Subject, Target};
@@ -57,6 +57,8 @@ mod sum;
 mod symbolic;
 mod target;
 mod token;
+#[cfg(not(target_family = "wasm"))]
+mod transmittance;
 
 pub use curvature_table::CurvatureTable;
 pub use error::ExportError;

@@ -24,11 +24,13 @@ pub enum Subject {
     Inversion,
     /// A material, with its surface shader.
     Material,
+    /// Transmittance of slabs by their thickness.
+    Transmittance,
 }
 
 impl Subject {
     /// Every subject.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Profile,
         Self::Sampler,
         Self::Disk,
@@ -38,6 +40,7 @@ impl Subject {
         Self::Fresnel,
         Self::Inversion,
         Self::Material,
+        Self::Transmittance,
     ];
 
     /// Name as the command line writes it.
@@ -52,6 +55,7 @@ impl Subject {
             Self::Fresnel => "fresnel",
             Self::Inversion => "inversion",
             Self::Material => "material",
+            Self::Transmittance => "transmittance",
         }
     }
 
@@ -69,6 +73,9 @@ impl Subject {
             Self::Fresnel => "Reflectance of a dielectric boundary",
             Self::Inversion => "The medium behind a surface albedo, for a g and an eta",
             Self::Material => "A material with the numbers of OpenPBR Surface: materialx",
+            Self::Transmittance => {
+                "Light through thin parts by their thickness, of a material: also as an image"
+            }
         }
     }
 
@@ -81,14 +88,14 @@ impl Subject {
             | Self::Fresnel
             | Self::Inversion
             | Self::Material => false,
-            Self::Disk | Self::Lut | Self::Kernel => true,
+            Self::Disk | Self::Lut | Self::Kernel | Self::Transmittance => true,
         }
     }
 
     /// Returns whether it can go to a target.
     pub(crate) fn goes_to(self, target: Target) -> bool {
         match (self, target) {
-            (_, Target::Image(_)) => self == Self::Lut,
+            (_, Target::Image(_)) => matches!(self, Self::Lut | Self::Transmittance),
             (Self::Material, _) => target == Target::MaterialX,
             (_, Target::MaterialX | Target::Text(Language::Osl)) => !self.is_table(),
             (Self::Lut, Target::Text(language)) => matches!(language, Language::C | Language::Cpp),

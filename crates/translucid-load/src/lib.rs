@@ -56,6 +56,7 @@ pub use obj::{load_obj, parse_obj};
 pub use options::{Floor, LoadOptions, Surroundings};
 pub use orientation::UpAxis;
 pub use ply::{load_ply, parse_ply};
+pub use primaries::{LINEAR_SPACES, rgb_from_rgb};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use still_life::still_life;
 pub use stl::{load_stl, parse_stl};

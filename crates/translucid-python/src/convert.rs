@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use translucid_profile::convention::{
-    self, ArgumentNames, Conversion, ConvertedNumber, CyclesWalk, LengthUnit, Role, Setting, SurfaceAlbedo,
+    self, ArgumentNames, Conversion, ConvertedNumber, CyclesWalk, Role, Setting, SurfaceAlbedo,
     System, Unit,
 };
 use translucid_profile::{Configuration, InputError, ParameterError};
@@ -103,11 +103,7 @@ pub(crate) fn _convert(
 pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let describe = |system: &System| {
         let described = PyDict::new(py);
-        let unit = match system.unit {
-            LengthUnit::Scene => "scene",
-            LengthUnit::Millimeter => "mm",
-            LengthUnit::Centimeter => "cm",
-        };
+        let unit = system.unit.name().unwrap_or("scene");
         let parameters = PyDict::new(py);
         for parameter in system.parameters {
             let default = match parameter.role {

@@ -216,7 +216,7 @@ export interface System {
     title: string;
     version: string;
     /** Unit of its lengths. */
-    unit: "scene" | "mm" | "cm";
+    unit: "scene" | "mm" | "cm" | "m";
     /** Its parameters with their defaults; null for a length or color, which has none. */
     parameters: Record<string, number | null>;
     rule: string;

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use translucid_profile::Configuration;
 use translucid_profile::convention::{
-    self, ArgumentNames, Conversion, ConvertedNumber, LengthUnit, Parameter, Preset, Role, Setting, System,
+    self, ArgumentNames, Conversion, ConvertedNumber, Parameter, Preset, Role, Setting, System,
     Unit,
 };
 
@@ -82,11 +82,7 @@ pub(crate) fn systems() -> Value {
         ((*name).to_owned(), json!(default))
     };
     let describe = |system: &System| {
-        let unit = match system.unit {
-            LengthUnit::Scene => "scene",
-            LengthUnit::Millimeter => "mm",
-            LengthUnit::Centimeter => "cm",
-        };
+        let unit = system.unit.name().unwrap_or("scene");
         json!({
             "name": system.name,
             "title": system.title,

@@ -81,7 +81,7 @@ pub(crate) fn export(mut options: Options) -> Result<Value, String> {
         configuration: given_configuration.unwrap_or(by_default),
         g,
         eta,
-        sizes: Sizes { taps, lut, most_curvature },
+        sizes: Sizes { taps, lut, most_curvature, ..usual },
         command: &command,
     };
     let bytes = export.bytes().map_err(|error| message(&error, is_dmfp))?;

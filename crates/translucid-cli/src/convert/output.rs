@@ -5,20 +5,28 @@ use std::path::Path;
 
 use translucid_files::check_writable;
 use translucid_laboratory::Cell;
-use translucid_profile::convention::{ConvertedNumber, LengthUnit, Role, System};
+use translucid_profile::convention::{ConvertedNumber, Role, System};
 
 use crate::failure::Failure;
 use crate::files::write_file;
 use crate::table::{ReadableFormat, exact, print};
 
-/// Writes the rows to a file or to stdout.
+/// One row of the table.
+pub(super) type Row = [Cell; COLUMNS.len()];
+
+/// Writes the numbers of systems and further rows to a file or to stdout.
 pub(super) fn write(
-    rows: &[ConvertedNumber],
+    numbers: &[ConvertedNumber],
+    more: &[Row],
     format: ReadableFormat,
     path: Option<&Path>,
 ) -> Result<(), Failure> {
-    let cells: Vec<Vec<Cell>> = rows.iter().map(|row| cells(row).to_vec()).collect();
-    let text = format.text(&COLUMNS, &cells, || paragraphs(rows));
+    let rows: Vec<Vec<Cell>> = numbers.iter().map(cells).chain(more.iter().cloned()).map(Vec::from).collect();
+    let text = format.text(&COLUMNS, &rows, || {
+        let (numbers, more) = (paragraphs(numbers), plain_paragraphs(more));
+        let separator = if numbers.is_empty() || more.is_empty() { "" } else { "\n" };
+        numbers + separator + &more
+    });
     let Some(path) = path else { return print(&text) };
     check_writable(path)?;
     write_file(path, text.as_bytes())
@@ -28,11 +36,7 @@ pub(super) fn write(
 pub(super) fn list() -> String {
     let mut text = String::from("system                 length in  parameters and rule\n");
     for system in System::ALL {
-        let unit = match system.unit {
-            LengthUnit::Scene => "scene unit",
-            LengthUnit::Millimeter => "mm",
-            LengthUnit::Centimeter => "cm",
-        };
+        let unit = system.unit.name().unwrap_or("scene unit");
         let parameters: Vec<String> = system
             .parameters
             .iter()
@@ -49,9 +53,9 @@ pub(super) fn list() -> String {
     text
 }
 
-const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
+pub(super) const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
-fn cells(row: &ConvertedNumber) -> [Cell; 7] {
+fn cells(row: &ConvertedNumber) -> Row {
     let source = row.system.source;
     [
         Cell::from(row.system.name),
@@ -80,6 +84,25 @@ fn paragraphs(rows: &[ConvertedNumber]) -> String {
             let line =
                 format!("  {:<width$} {} {}", parameter[0].parameter, values.join(" "), parameter[0].unit);
             let _ = writeln!(text, "{}", line.trim_end());
+        }
+    }
+    text
+}
+
+/// Rows by their systems, which have no title.
+fn plain_paragraphs(rows: &[Row]) -> String {
+    let word = |row: &Row, i: usize| match &row[i] {
+        Cell::Word(word) => word.clone(),
+        Cell::Number(number) => rounded(*number),
+    };
+    let width = rows.iter().map(|row| word(row, 1).len()).max().unwrap_or(0);
+    let mut text = String::new();
+    for system in rows.chunk_by(|a, b| a[0] == b[0]) {
+        let separator = if text.is_empty() { "" } else { "\n" };
+        text += &format!("{separator}{}\n", word(&system[0], 0));
+        for parameter in system.chunk_by(|a, b| a[1] == b[1]) {
+            let values: Vec<String> = parameter.iter().map(|row| format!("{:>12}", word(row, 3))).collect();
+            text += &format!("  {:<width$} {}\n", word(&parameter[0], 1), values.join(" "));
         }
     }
     text

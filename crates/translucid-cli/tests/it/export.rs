@@ -57,11 +57,18 @@ fn tables_are_of_a_material() {
     }
     let text = stdout(&here(), "export --to c --what lut --model exact --preset skin1 --size 5x3");
     assert!(text.contains("static const float TRANSLUCID_LUT[15][3] = {"), "{text}");
+    let text = stdout(&here(), "export --to glsl --what transmittance --preset skin1 --eta 1.4 --size 9x2");
+    for part in ["const vec3 TRANSMITTANCE[9] = ", "L. G. Henyey", "Column i is the thickness"] {
+        assert!(text.contains(part), "{text}");
+    }
     let folder = tempfile::tempdir().unwrap();
-    for format in ["exr", "png", "dds", "npz"] {
-        let words = format!("export --to {format} --what lut --preset skin1 --size 9x5 -o lut.{format}");
+    for (what, format) in
+        ["lut", "transmittance"].iter().flat_map(|what| ["exr", "png", "dds", "npz"].map(|f| (what, f)))
+    {
+        let words =
+            format!("export --to {format} --what {what} --preset skin1 --size 9x5 -o {what}.{format}");
         stdout(folder.path(), &words);
-        assert!(folder.path().join(format!("lut.{format}")).metadata().unwrap().len() > 100);
+        assert!(folder.path().join(format!("{what}.{format}")).metadata().unwrap().len() > 100);
     }
 }
 
@@ -131,10 +138,20 @@ fn wrong_input_is_told_what_is_allowed() {
             "--to is wgsl, but must be one of c, cpp, exr, png, dds, npz for lut",
         ),
         ("--to exr --what profile", "--to is exr, but must be one of"),
+        (
+            "--to osl --what transmittance --preset skin1",
+            "--to is osl, but must be one of wgsl, glsl, hlsl, msl, c, cpp, exr, png, dds, npz for transmittance",
+        ),
+        ("--to c --what transmittance", "--what is transmittance, but must be a profile, sampler or other"),
+        (
+            "--to c --what transmittance --preset skin1 --most-thickness 0",
+            "--most-thickness is 0, but must be in (0, 1e18]",
+        ),
+        ("--to c --what transmittance --preset skin1 --eta 4", "--eta is 4, but must be in [1, 3]"),
         ("--to c --what material --preset skin1", "--to is c, but must be one of materialx for material"),
         (
             "--to materialx --what fresnel --eta 1.4",
-            "--eta is 1.4, but must be 1 without inversion or moments",
+            "--eta is 1.4, but must be 1 without inversion, transmittance or moments",
         ),
         ("--to materialx --what material", "--what is material, but must be a profile, sampler or other"),
         ("--to materialx --what profile --preset skin1", "--what is functions, but must be material too"),

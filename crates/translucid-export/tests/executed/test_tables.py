@@ -23,6 +23,7 @@ WIDTHS = [2.0, 1.0, 0.5]
 # s(0.8) for diffuse light is 1.1
 MATERIAL = ["--surface-albedo", "0.8", "--mfp", ",".join(str(1.1 * d) for d in WIDTHS)]
 TAPS, COLUMNS, ROWS = 17, 33, 5
+MOST_THICKNESS = 10.0
 # Single precision keeps 6e-8 of a number
 ROUNDING = 1.2e-7
 
@@ -31,6 +32,57 @@ def export(language, what, *options):
     """An exported text of the material."""
     command = [PROGRAM, "export", "--to", language, "--what", what, *MATERIAL, *map(str, options)]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def transmittance_twin(thickness, a):
+    """T of diffuse light through a slab of isotropic scatterers of the mean free path 1: discrete ordinates, as a boundary value problem.
+
+    a is the single-scattering albedo. Directions are double Gaussian, 24 in each half; the slab is halved until its cells are
+    thin, and doubled again.
+    """
+    mu, weight = np.polynomial.legendre.leggauss(24)
+    mu, weight = 0.5 * (mu + 1.0), 0.5 * weight
+    doublings = max(0, int(np.ceil(np.log2(thickness / 1e-5))))
+    step = thickness / 2**doublings
+    # One scattering in a cell: radiance that leaves per radiance that arrives, direction by direction
+    scatter = 0.5 * a * step * weight[None, :] / mu[:, None]
+    r, t = scatter.copy(), scatter + np.diag(1.0 - step / mu)
+    for _ in range(doublings):
+        between = np.linalg.inv(np.eye(len(mu)) - r @ r)
+        r, t = r + t @ r @ between @ t, t @ between @ t
+    return 2.0 * np.sum(weight * mu * t.sum(axis=1))
+
+
+def single_scattering_albedo(surface_albedo):
+    """By halving: the half space's total of diffuse light, as a slab that passes nothing."""
+    mu, weight = np.polynomial.legendre.leggauss(64)
+    mu, weight = 0.5 * (mu + 1.0), 0.5 * weight
+
+    def total(a):
+        # H of isotropic scattering by its integral equation
+        h = np.ones_like(mu)
+        for _ in range(2000):
+            new = 1.0 / (np.sqrt(1.0 - a) + 0.5 * a * np.sum(weight * mu * h / (mu[:, None] + mu), axis=1))
+            if np.abs(new - h).max() < 1e-14:
+                break
+            h = new
+        return 1.0 - 2.0 * np.sqrt(1.0 - a) * np.sum(weight * mu * h)
+
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if total(middle) < surface_albedo else (low, middle)
+    return 0.5 * (low + high)
+
+
+def check_transmittances(values, most):
+    """Transmittances of a material whose mean free paths are 1.1 times the widths, at a surface albedo of 0.8."""
+    a = single_scattering_albedo(0.8)
+    for i in range(len(values)):
+        thickness = most * (i / (len(values) - 1)) ** 2
+        expected = [1.0 if i == 0 else transmittance_twin(thickness / (1.1 * d), a) for d in WIDTHS]
+        # The inversion is good to 2e-5 of the surface albedo, the twin's directions and cells to less than 3e-4
+        assert np.allclose(values[i], expected, rtol=0.0, atol=5e-4), (i, values[i], expected)
 
 
 def cdf(r, d):
@@ -102,12 +154,13 @@ struct float4 { float x, y, z, w; float4(float a, float b, float c, float d) : x
 @pytest.mark.parametrize("compiler, language", [("gcc", "c"), ("clang", "c"), ("gcc", "cpp"), ("clang", "cpp"), ("gcc", "msl")])
 def test_tables_of_headers_are_the_twins(compiler, language, tmp_path):
     names = {"c": "TRANSLUCID_{}", "cpp": "translucid::{}", "msl": "{}"}[language]
-    tables = {"DISK_OFFSETS": (TAPS, 2), "DISK_WEIGHTS": (TAPS, 3), "KERNEL": (TAPS, 4), "LUT": (COLUMNS * ROWS, 3)}
-    whats = ["disk", "kernel", "lut"]
+    tables = {"DISK_OFFSETS": (TAPS, 2), "DISK_WEIGHTS": (TAPS, 3), "KERNEL": (TAPS, 4), "TRANSMITTANCE": (COLUMNS, 3), "LUT": (COLUMNS * ROWS, 3)}
+    whats = ["disk", "kernel", "transmittance", "lut"]
     if language == "msl":
         tables.pop("LUT")
         whats.pop()
-    (tmp_path / "export.h").write_text(export(language, ",".join(whats), "--taps", TAPS, "--size", f"{COLUMNS}x{ROWS}"))
+    options = ["--taps", TAPS, "--size", f"{COLUMNS}x{ROWS}", "--most-thickness", MOST_THICKNESS]
+    (tmp_path / "export.h").write_text(export(language, ",".join(whats), *options))
     (tmp_path / "metal_stdlib").write_text(METAL_LIBRARY.replace("namespace metal {", "namespace metal {\n" + VECTORS))
     linkage = "" if language == "c" else 'extern "C" '
     readers = "".join(
@@ -124,6 +177,7 @@ def test_tables_of_headers_are_the_twins(compiler, language, tmp_path):
         found[name] = np.full(shape, np.nan, np.float32)
         getattr(opened, f"read_{name}")(found[name].ctypes.data_as(ctypes.c_void_p))
     check(found["DISK_OFFSETS"], found["DISK_WEIGHTS"], found["KERNEL"])
+    check_transmittances(found["TRANSMITTANCE"], MOST_THICKNESS)
     if "LUT" in found:
         assert np.allclose(found["LUT"].reshape(ROWS, COLUMNS, 3), lut(tmp_path), rtol=ROUNDING, atol=1e-9)
 
@@ -138,6 +192,23 @@ def image(folder, kind):
     path = folder / f"lut.{kind}"
     export(kind, "lut", "--size", f"{COLUMNS}x{ROWS}", "-o", path)
     return path
+
+
+def test_images_of_transmittances_are_equal(tmp_path):
+    def of(kind):
+        path = tmp_path / f"transmittance.{kind}"
+        export(kind, "transmittance", "--size", f"{COLUMNS}x2", "--most-thickness", MOST_THICKNESS, "-o", path)
+        return path
+
+    exact = np.load(of("npz"))
+    expected = exact["transmittance"]
+    assert expected.shape == (1, COLUMNS, 3) and exact["most_thickness"] == MOST_THICKNESS
+    check_transmittances(expected[0], MOST_THICKNESS)
+    with OpenEXR.File(str(of("exr")), separate_channels=True) as file:
+        found = np.stack([file.channels()[c].pixels for c in "RGB"], axis=2)
+    assert np.allclose(found, expected, rtol=ROUNDING, atol=1e-9)
+    found = np.frombuffer(of("dds").read_bytes()[128:], "<f4").reshape(1, COLUMNS, 4)
+    assert np.allclose(found[..., :3], expected, rtol=ROUNDING, atol=1e-9)
 
 
 def test_images_of_tables_are_equal(tmp_path):
@@ -172,6 +243,11 @@ fn main() {{
             results[5 * {taps} + 4 * i + c] = KERNEL[i][c];
         }}
     }}
+    for (var i: i32 = 0; i < {columns}; i++) {{
+        for (var c: i32 = 0; c < 3; c++) {{
+            results[9 * {taps} + 3 * i + c] = TRANSMITTANCE[i][c];
+        }}
+    }}
 }}
 """,
     "glsl": """#version 450
@@ -184,6 +260,7 @@ void main() {{
         for (int c = 0; c < 3; c++) results[5 * i + 2 + c] = DISK_WEIGHTS[i][c];
     }}
     for (int i = 0; i < {taps}; i++) for (int c = 0; c < 4; c++) results[5 * {taps} + 4 * i + c] = KERNEL[i][c];
+    for (int i = 0; i < {columns}; i++) for (int c = 0; c < 3; c++) results[9 * {taps} + 3 * i + c] = TRANSMITTANCE[i][c];
 }}
 """,
     "hlsl": """[[vk::binding(0)]] RWStructuredBuffer<float> results : register(u0);
@@ -196,6 +273,7 @@ void main(uint3 id : SV_DispatchThreadID) {{
         for (c = 0; c < 3; c++) results[5 * i + 2 + c] = DISK_WEIGHTS[i][c];
     }}
     for (i = 0; i < {taps}; i++) for (c = 0; c < 4; c++) results[5 * {taps} + 4 * i + c] = KERNEL[i][c];
+    for (i = 0; i < {columns}; i++) for (c = 0; c < 3; c++) results[9 * {taps} + 3 * i + c] = TRANSMITTANCE[i][c];
 }}
 """,
 }
@@ -203,8 +281,9 @@ void main(uint3 id : SV_DispatchThreadID) {{
 
 @pytest.mark.parametrize("language", SHADERS)
 def test_tables_of_shaders_are_the_twins(device, language, tmp_path):  # noqa: F811
-    text = export(language, "disk,kernel", "--taps", TAPS)
-    source = SHADERS[language].format(text=text, taps=TAPS)
+    options = ["--taps", TAPS, "--size", f"{COLUMNS}x2", "--most-thickness", MOST_THICKNESS]
+    text = export(language, "disk,kernel,transmittance", *options)
+    source = SHADERS[language].format(text=text, taps=TAPS, columns=COLUMNS)
     if language != "wgsl":
         flags = {"glsl": [], "hlsl": ["-D", "-e", "main", "--hlsl-offsets"]}[language]
         path, binary = tmp_path / f"tables.{language}", tmp_path / "tables.spv"
@@ -214,7 +293,7 @@ def test_tables_of_shaders_are_the_twins(device, language, tmp_path):  # noqa: F
         source = binary.read_bytes()
     module = device.create_shader_module(code=source)
     pipeline = device.create_compute_pipeline(layout="auto", compute={"module": module, "entry_point": "main"})
-    results = device.create_buffer(size=4 * 9 * TAPS, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC)
+    results = device.create_buffer(size=4 * (9 * TAPS + 3 * COLUMNS), usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC)
     entries = [{"binding": 0, "resource": {"buffer": results, "offset": 0, "size": results.size}}]
     group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
     encoder = device.create_command_encoder()
@@ -225,5 +304,6 @@ def test_tables_of_shaders_are_the_twins(device, language, tmp_path):  # noqa: F
     run.end()
     device.queue.submit([encoder.finish()])
     found = np.frombuffer(device.queue.read_buffer(results), np.float32)
-    disk, kernel = found[: 5 * TAPS].reshape(TAPS, 5), found[5 * TAPS :].reshape(TAPS, 4)
+    disk, kernel = found[: 5 * TAPS].reshape(TAPS, 5), found[5 * TAPS : 9 * TAPS].reshape(TAPS, 4)
     check(disk[:, :2], disk[:, 2:], kernel)
+    check_transmittances(found[9 * TAPS :].reshape(COLUMNS, 3), MOST_THICKNESS)

@@ -7,10 +7,12 @@
 mod filament;
 mod kubelka_munk;
 mod swatch;
+mod thin_wall;
 
 pub use filament::{Filament, MEANINGS};
 pub use kubelka_munk::kubelka_munk;
 pub use swatch::{Field, Swatch};
+pub use thin_wall::{DiffuseTransmissionWall, ScatteringWall, SlabChannel, SlabLight, ThinWall, WallErrors};
 
 use rayon::prelude::*;
 use translucid_image::{ToneMapping, display_from_linear};

@@ -11,6 +11,7 @@
 //! | KHR_materials_clearcoat | `coat_weight` (red), `coat_roughness` (green), `coat_ior` 1.5 |
 //! | KHR_materials_transmission, _volume | `transmission_*`, see [`super::media`] |
 //! | KHR_materials_volume_scatter, _scatter, _diffuse_transmission | `subsurface_*`, see [`super::media`] |
+//! | no thickness in KHR_materials_volume, or no volume | `geometry_thin_walled`, see [`super::media`] |
 //!
 //! Occlusion is what a path tracer computes, and `doubleSided` means nothing for closed surfaces: both
 //! are not read.

@@ -14,13 +14,22 @@
 //!   `subsurface_color`, and KHR_materials_transmission says how much light enters.
 //! - *Absorbing, entered diffusely*: KHR_materials_diffuse_transmission with a volume but no scattering
 //!   is how files described wax and skin before; ρ is then the diffuse transmission's color.
+//! - *Thin-walled*: where no volume has a thickness, all of them describe a sheet, `geometry_thin_walled`, with what
+//!   it passes clearly in `transmission_weight`, tinted by the base color, and what it scatters in `subsurface_weight`.
+//!   Of the base's light, KHR_materials_transmission lets through t. KHR_materials_diffuse_transmission takes its factor
+//!   of the rest and passes all of it to the other side, as a mean cosine of 1 does. KHR_materials_scatter takes its
+//!   strength s of t and divides that by its anisotropy, as OpenPBR does:
+//!
+//!   ```text
+//!   transmission_weight = t (1 − s)      subsurface_weight = t s / (1 − t (1 − s))
+//!   ```
 //!
 //! The drafts find the single-scattering albedo from ρ by the approximation of C. Kulla and A. Conty (2017), we by the
 //! inversion that our models have, so that ρ itself comes out. A boundary that refracts is left out, as for any material
 //! without `subsurface_eta`.
 //!
 //! Lengths in the extensions are meters in world space.
-//! A thin sheet (transmission without thickness) is rendered as if it were the skin of a solid.
+//! An example of KHR_materials_volume_scatter's draft has a volume without a thickness: beside it, every volume is one.
 
 use glam::Vec3;
 use serde::Deserialize;
@@ -76,6 +85,8 @@ struct Scatter {
 
 /// Scattering inside, whichever extension states it.
 struct Scattering {
+    /// How much of the light that is let through is scattered.
+    strength: f32,
     /// Color after many scattering events.
     color: ColorInput,
     /// Mean cosine of the phase function.
@@ -96,6 +107,9 @@ struct DiffuseTransmission {
 
 /// Attenuation colors above this would make the mean free path longer than 10⁴ attenuation distances.
 const CLEAREST: f64 = 0.9999;
+
+/// Mean cosine of a sheet that scatters all light to its other side, as near to 1 as materials have it.
+const FORWARD: f32 = 0.9999;
 
 /// Attenuation of a volume: the color that is left after a distance in scene units.
 #[derive(Clone, Copy)]
@@ -126,6 +140,7 @@ impl MaterialReader<'_> {
             None => ScalarInput::constant(0.0),
         };
         let mut diffuse = self.extension::<DiffuseTransmission>("KHR_materials_diffuse_transmission")?;
+        let mut is_thin = volume.as_ref().is_none_or(|volume| volume.thickness_factor <= 0.0);
         let scatter = match self.extension::<Scatter>("KHR_materials_scatter")? {
             Some(data) => {
                 for name in ["KHR_materials_volume_scatter", "KHR_materials_diffuse_transmission"] {
@@ -136,18 +151,23 @@ impl MaterialReader<'_> {
                     }
                 }
                 diffuse = None;
-                if data.scatter_strength_factor != 0.0
-                    && volume.as_ref().is_some_and(|volume| volume.thickness_factor <= 0.0)
-                {
-                    self.warn("a thin sheet (thicknessFactor 0) that scatters is rendered as a solid's skin");
-                }
                 self.scattering(&data)?
             }
             None => match self.extension::<VolumeScatter>("KHR_materials_volume_scatter")? {
-                Some(data) => Some(self.volume_scattering(&data)?),
+                Some(data) if volume.is_some() => {
+                    is_thin = false;
+                    Some(self.volume_scattering(&data)?)
+                }
+                Some(_) => {
+                    self.warn("KHR_materials_volume_scatter without KHR_materials_volume is left out");
+                    None
+                }
                 None => None,
             },
         };
+        if is_thin {
+            return self.read_thin_wall(material, clear, scatter.as_ref(), diffuse.as_ref());
+        }
         match (attenuation, scatter, &diffuse) {
             (Some(attenuation), Some(scatter), _) => {
                 let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
@@ -161,16 +181,48 @@ impl MaterialReader<'_> {
             }
             (_, scatter, diffuse) => {
                 if scatter.is_some() || diffuse.is_some() {
-                    self.warn(
-                        "scattering without a KHR_materials_volume with attenuationDistance is left out",
-                    );
+                    self.warn("scattering in a KHR_materials_volume without attenuationDistance is left out");
                 }
                 set_transmission(material, clear, attenuation);
             }
         }
-        if clear.factor > 0.0 && volume.is_none_or(|volume| volume.thickness_factor <= 0.0) {
-            self.warn("transmission without thickness is rendered as a solid's");
+        Ok(())
+    }
+
+    /// A sheet without an inside, if it lets light through.
+    fn read_thin_wall(
+        &mut self,
+        material: &mut Material,
+        clear: ScalarInput,
+        scatter: Option<&Scattering>,
+        diffuse: Option<&DiffuseTransmission>,
+    ) -> Result<(), SceneError> {
+        set_transmission(material, clear, None);
+        if let Some(scatter) = scatter {
+            material.subsurface_color = scatter.color;
+            material.subsurface_scatter_anisotropy = scatter.g;
+            let strength = scatter.strength;
+            let mut scattered = clear;
+            if strength == 1.0 {
+                material.transmission_weight = ScalarInput::constant(0.0);
+            } else {
+                material.transmission_weight.factor = clear.factor * (1.0 - strength);
+                let opaque = 1.0 - material.transmission_weight.factor;
+                scattered.factor = (clear.factor * strength / opaque).min(1.0);
+                // Both weights are a product with one image only where all light is let through or scattered
+                if scattered.texture.take().is_some() {
+                    material.transmission_weight.texture = None;
+                    self.warn("transmissionTexture is left out beside a scatterStrengthFactor below 1");
+                }
+            }
+            material.subsurface_weight = scattered;
+        } else if diffuse.is_some() {
+            let (weight, tint) = self.entering(clear, diffuse)?;
+            (material.subsurface_weight, material.subsurface_color) = (weight, tint);
+            material.subsurface_scatter_anisotropy = FORWARD;
         }
+        material.geometry_thin_walled =
+            material.subsurface_weight.factor > 0.0 || material.transmission_weight.factor > 0.0;
         Ok(())
     }
 
@@ -183,7 +235,7 @@ impl MaterialReader<'_> {
         };
         let texture = data.multiscatter_color_texture.as_ref();
         let color = self.color(factor, texture, key)?;
-        Ok(Scattering { color, g: self.anisotropy(data.scatter_anisotropy) })
+        Ok(Scattering { strength: 1.0, color, g: self.anisotropy(data.scatter_anisotropy) })
     }
 
     /// What KHR_materials_scatter states; none where its strength is 0, at which it is as if it were not there.
@@ -193,10 +245,9 @@ impl MaterialReader<'_> {
             self.warn("scatterStrengthTexture is left out: scatterStrengthFactor counts everywhere");
         }
         let texture = data.multiscatter_color_texture.as_ref();
-        let mut color = self.color(data.multiscatter_color_factor, texture, "multiscatterColorFactor")?;
-        color.factor *= strength;
+        let color = self.color(data.multiscatter_color_factor, texture, "multiscatterColorFactor")?;
         let g = self.anisotropy(data.scatter_anisotropy);
-        Ok((strength > 0.0).then_some(Scattering { color, g }))
+        Ok((strength > 0.0).then_some(Scattering { strength, color, g }))
     }
 
     /// A mean cosine that a phase function can have.
@@ -240,7 +291,7 @@ impl MaterialReader<'_> {
         if tint.texture.is_some() && scatter.color.texture.is_some() {
             self.warn("diffuseTransmissionColorTexture is left out beside multiscatterColorTexture");
         }
-        material.subsurface_color.factor = tint.factor * scatter.color.factor;
+        material.subsurface_color.factor = tint.factor * scatter.color.factor * scatter.strength;
         material.subsurface_color.texture = scatter.color.texture.or(tint.texture);
         material.subsurface_scatter_anisotropy = scatter.g;
     }

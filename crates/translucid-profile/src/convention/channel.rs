@@ -60,6 +60,11 @@ impl Channel {
         Ok(Self { albedo: self.albedo, mfp, d })
     }
 
+    /// The channel beside others of which the greatest surface albedo is `greatest`.
+    pub(super) fn among(&self, greatest: f64) -> Result<Self, ParameterError> {
+        Ok(Self { albedo: SurfaceAlbedo::new(self.albedo.of_channel(), greatest)?, ..*self })
+    }
+
     /// Surface albedo A.
     pub fn albedo(&self) -> SurfaceAlbedo {
         self.albedo

@@ -1,14 +1,7 @@
 //! Random walks of Blender Cycles: the medium that they make of a color, and the light that comes back from it.
 //!
 //! The single-scattering albedo α of a channel with the color c and the mean cosine g is, in *Random Walk* of Blender 5.2, the
-//! one by which C. Kulla and A. Conty, *Revisiting Physically Based Shading at Imageworks*, 2017, invert van de Hulst's
-//! approximation:
-//!
-//! ```text
-//! α = (1 − s²)/(1 − g s²),     s = 4.09712 + 4.20863 c − √(9.59217 + 41.6808 c + 17.7126 c²)
-//! ```
-//!
-//! and in *Random Walk (Legacy)*, the *Random Walk* of Blender 3.0 to 5.1, and in *Random Walk (Skin)* the fit of
+//! one by which C. Kulla and A. Conty invert van de Hulst's approximation ([`super::multiscatter`]), and in *Random Walk (Legacy)*, the *Random Walk* of Blender 3.0 to 5.1, and in *Random Walk (Skin)* the fit of
 //! M. Wrenninge, R. Villemin and C. Hery, *Path Traced Subsurface Scattering using Anisotropic Phase Functions and
 //! Non-Exponential Free Flights*, 2017:
 //!
@@ -30,6 +23,7 @@
 
 use std::f64::consts::PI;
 
+use super::multiscatter;
 use crate::math::scaled_erfc::erfcx;
 use crate::{AlbedoInversion, Configuration, half_space_surface_albedo};
 
@@ -89,11 +83,7 @@ impl CyclesWalk {
     pub fn single_scattering_albedo(&self, color: f64) -> f64 {
         let color = color.max(0.0).min(1.0);
         let alpha = match self.fit {
-            AlbedoFit::VanDeHulst => {
-                let root = (9.59217 + 41.6808 * color + 17.7126 * color * color).sqrt();
-                let s = 4.09712 + 4.20863 * color - root;
-                (1.0 - s * s) / (1.0 - self.g * s * s)
-            }
+            AlbedoFit::VanDeHulst => multiscatter::single_scattering_albedo(color, self.g),
             AlbedoFit::Wrenninge([a, b, c, d, e, f]) => {
                 let blend = color.sqrt().sqrt();
                 (1.0 - blend) * a * libm::pow(libm::atan(b * color), c)

@@ -11,6 +11,10 @@ const fn distance(name: &'static str) -> Parameter {
     Parameter { name, role: Role::Distance }
 }
 
+const fn attenuation(name: &'static str) -> Parameter {
+    Parameter { name, role: Role::Attenuation }
+}
+
 const fn factor(name: &'static str, default: f64, per: f64) -> Parameter {
     Parameter { name, role: Role::Factor { default, per } }
 }
@@ -30,7 +34,13 @@ const SKIN_IOR: Parameter = setting("subsurface_ior", 1.4, [0.0, 10.0], "in (0, 
 
 const G_OF_WALK: Parameter = setting(parameter::WALK_G, 0.0, [-0.9 - 1e-9, 0.9 + 1e-9], "in [-0.9, 0.9]");
 
+const G_OF_GLTF: Parameter = setting("scatterAnisotropy", 0.0, [-1.0, 1.0], "in (-1, 1)");
+
 const WALK_G: Parameter = setting(parameter::WALK_G, 0.0, [-1e-9, 0.9 + 1e-9], "in [0, 0.9]");
+
+// A distance, of which 0 is none
+const ABSORPTION_DISTANCE: Parameter =
+    setting("absorptionDistance", 0.0, [-1e-110, 1e110], "0 for none, or in (0, 1e110)");
 
 const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
 const UNREAL: &[Parameter] =
@@ -320,6 +330,28 @@ const KNOWN: &[System] = &[
     .albedo("SurfaceAlbedo")
     .in_unit_of_its_own(LengthUnit::Centimeter),
     system(
+        "substrate",
+        "Unreal Engine, Substrate Slab",
+        "5.2 and later",
+        &[length("SSSMFP"), distance("SSSMFPScale")],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        document("dev.epicgames.com, Overview of Substrate Materials: the distance in centimeters before a collision"),
+    )
+    .albedo("DiffuseAlbedo")
+    .in_unit_of_its_own(LengthUnit::Centimeter),
+    system(
+        "substrate",
+        "Unreal Engine, Substrate Transmittance-To-MeanFreePath",
+        "5.2 and later",
+        &[distance("Thickness"), attenuation("TransmittanceColor")],
+        Rule::Mfp(Factor::One),
+        "mfp = Thickness/-ln(TransmittanceColor)",
+        document("dev.epicgames.com, Overview of Substrate Materials: the color is reached at the thickness, by default 0.01 cm"),
+    )
+    .albedo("DiffuseAlbedo")
+    .in_unit_of_its_own(LengthUnit::Centimeter),
+    system(
         "hdrp",
         "Unity HDRP, diffusion profile",
         "since 2018",
@@ -341,6 +373,52 @@ const KNOWN: &[System] = &[
              units of world space"),
     )
     .albedo("subsurface_color"),
+    system(
+        "gltf",
+        "glTF, KHR_materials_volume with KHR_materials_volume_scatter or KHR_materials_scatter",
+        "drafts of 2025 and 2026",
+        &[distance("attenuationDistance"), attenuation("attenuationColor"), G_OF_GLTF],
+        Rule::Mfp(Factor::OverOneMinusAlphaG),
+        "mfp = attenuationDistance/(-ln(attenuationColor) (1 - alpha g)), alpha of the color",
+        document("KhronosGroup/glTF@4608553 and @0addbb0, KHR_materials_volume_scatter and KHR_materials_scatter, README.md"),
+    )
+    .albedo("multiscatterColorFactor")
+    .in_unit_of_its_own(LengthUnit::Meter),
+    system(
+        "adobe",
+        "Adobe Standard Material",
+        "2026.07",
+        &[
+            distance("scatteringDistance"),
+            length("scatteringDistanceScale"),
+            ABSORPTION_DISTANCE,
+            Parameter { name: "absorptionColor", role: Role::Filter },
+        ],
+        Rule::Mfp(Factor::OfGreatestAlpha),
+        "sigma_s = max(alpha)/length, alpha of the color; sigma_a = sigma_s (1 - alpha)/alpha - ln(absorptionColor)/absorptionDistance",
+        code("adobe/USD-Fileformat-plugins@6441b97 gltf/src/gltfImport.cpp, convertVolumeScatterToASM"),
+    )
+    .albedo("scatteringColor"),
+    system(
+        "karma",
+        "Karma, MtlX Subsurface BSDF",
+        "Houdini 20",
+        &[length("radius")],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        document("sidefx.com/docs, mtlxsubsurface_bsdf: the mean free path of the material"),
+    )
+    .albedo("color"),
+    system(
+        "vray",
+        "V-Ray 7, V-Ray Material as OpenPBR",
+        "7",
+        &[distance("fog_mult"), length("fog_color")],
+        Rule::Mfp(Factor::One),
+        "mfp = length, in units of the scene",
+        document("docs.chaos.com, OpenPBR Shading Model: subsurface_radius and its scale by V-Ray's names"),
+    )
+    .albedo("translucency_color"),
     system(
         "materialx",
         "MaterialX subsurface_bsdf, as a profile",

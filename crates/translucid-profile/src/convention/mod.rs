@@ -55,6 +55,8 @@ mod channel;
 mod conversion;
 mod cycles_walk;
 mod known;
+mod mixture;
+mod multiscatter;
 mod parameter;
 mod preset;
 mod rule;
@@ -71,6 +73,7 @@ pub use conversion::{
     ArgumentNames, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
 };
 pub use cycles_walk::CyclesWalk;
+pub use mixture::MixedChannel;
 pub use parameter::{LengthUnit, Parameter, Role};
 pub use preset::{Preset, preset, presets};
 pub use system::{Equal, Source, System, Written};

@@ -1,5 +1,7 @@
 //! The parameters by which a system is told a material.
 
+use super::Unit;
+
 /// Name of the mean cosine of Cycles' walks.
 pub(super) const WALK_G: &str = "subsurface_anisotropy";
 
@@ -19,6 +21,11 @@ pub enum Role {
     Length,
     /// One number for all channels that a conversion may choose: the greatest length.
     Distance,
+    /// A color of each channel in [0, 1): the light that is left after the [`Distance`](Self::Distance), which makes the length
+    /// that distance over −ln of the color.
+    Attenuation,
+    /// A color of each channel in (0, 1] that is no factor of the length; white changes nothing.
+    Filter,
     /// One number for all channels whose customary value is `default`; the length is multiplied by value/`per`.
     Factor {
         /// Value that the system starts with.
@@ -46,13 +53,18 @@ pub enum Role {
 impl Role {
     /// Returns whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
-        matches!(self, Self::Length | Self::Absorption | Self::Scattering)
+        matches!(self, Self::Length | Self::Attenuation | Self::Filter | Self::Absorption | Self::Scattering)
+    }
+
+    /// Returns whether it is part of the length, so that stating it states one.
+    pub(super) fn is_of_length(self) -> bool {
+        matches!(self, Self::Length | Self::Distance | Self::Attenuation)
     }
 
     /// Default value.
     pub fn default(self) -> f64 {
         match self {
-            Self::Length | Self::Distance => 1.0,
+            Self::Length | Self::Distance | Self::Attenuation | Self::Filter => 1.0,
             Self::Factor { default, .. } | Self::Setting { default, .. } => default,
             Self::Absorption | Self::Scattering => 0.0,
         }
@@ -68,4 +80,28 @@ pub enum LengthUnit {
     Millimeter,
     /// Centimeters.
     Centimeter,
+    /// Meters.
+    Meter,
+}
+
+impl LengthUnit {
+    /// The unit's abbreviation; none where it is that of the scene.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Scene => None,
+            Self::Millimeter => Some("mm"),
+            Self::Centimeter => Some("cm"),
+            Self::Meter => Some("m"),
+        }
+    }
+
+    /// Millimeters in one unit, `scene` being that of the scene.
+    pub(super) fn in_millimeters(self, scene: Unit) -> f64 {
+        match self {
+            Self::Scene => scene.in_millimeters(),
+            Self::Millimeter => 1.0,
+            Self::Centimeter => 10.0,
+            Self::Meter => 1000.0,
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::SurfaceAlbedo;
+use super::multiscatter::single_scattering_albedo;
 use super::skin::mfp_per_radius;
 use crate::error::{ParameterError, require};
 use crate::{scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight};
@@ -41,6 +42,10 @@ pub(super) enum Factor {
     OverSixTenthsSigned,
     /// 1/s(A), s from ℓ_d; A not below the limit.
     OverDiffuseMfp(f64),
+    /// 1/(1 − αg) with α of the color and the setting for g: from 1/σ_t to ℓ*.
+    OverOneMinusAlphaG,
+    /// α/max α, α not below a thousandth of the greatest: Adobe's σ_s is alike in all channels.
+    OfGreatestAlpha,
     /// √(3(1 − α')) of a dipole ([`super::skin`]), the setting being the index of refraction.
     Skin,
 }
@@ -61,6 +66,12 @@ impl Factor {
             Self::OverSixTenthsSearchlight => 1.0 / (0.6 * scaling_from_mfp_searchlight(a)),
             Self::OverSixTenthsSigned => 1.0 / (0.6 * signed_searchlight(a)?),
             Self::OverDiffuseMfp(least) => 1.0 / scaling_from_dmfp_searchlight(a.max(least)),
+            Self::OverOneMinusAlphaG => 1.0 / (1.0 - setting * single_scattering_albedo(a, setting)),
+            Self::OfGreatestAlpha => {
+                let (alpha, greatest) =
+                    (single_scattering_albedo(a, 0.0), single_scattering_albedo(albedo.greatest(), 0.0));
+                if greatest > 0.0 { (alpha / greatest).max(1e-3) } else { 1.0 }
+            }
             Self::Skin => mfp_per_radius(a, setting),
         })
     }

@@ -2,7 +2,7 @@
 
 use super::parameter::WALK_G;
 use super::rule::{Factor, Rule};
-use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo};
+use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo, multiscatter};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
@@ -124,6 +124,7 @@ impl System {
             Rule::Mfp(factor) => {
                 let mfp = self.length(values)? * self.factor(factor, albedo, values)?;
                 let Some(walk) = self.walk(values)? else {
+                    let (albedo, mfp) = self.absorbed(values, albedo, mfp)?;
                     return Channel::from_mfp(albedo, mfp, configuration);
                 };
                 let mfp = walk.transport_mfp(albedo.of_channel(), mfp);
@@ -215,12 +216,37 @@ impl System {
     fn length(&self, values: &[f64]) -> Result<f64, ParameterError> {
         let mut length = self.factors(values)?;
         for (parameter, value) in self.with_values(values) {
-            if matches!(parameter.role, Role::Length | Role::Distance) {
-                // Length 0 is a Lambertian channel
-                length *= if value == 0.0 { value } else { require_moderate(parameter, value)? };
-            }
+            // Length 0 is a Lambertian channel
+            length *= match parameter.role {
+                Role::Length | Role::Distance if value == 0.0 => value,
+                Role::Length | Role::Distance => require_moderate(parameter, value)?,
+                Role::Attenuation => {
+                    let is_color = (0.0..1.0).contains(&value);
+                    -1.0 / libm::log(require(is_color, parameter.name, value, "in [0, 1)")?)
+                }
+                _ => 1.0,
+            };
         }
         Ok(length)
+    }
+
+    /// The surface albedo and the mean free path of a medium that a filter over the distance of a setting makes absorb more.
+    fn absorbed(
+        &self,
+        values: &[f64],
+        albedo: SurfaceAlbedo,
+        mfp: f64,
+    ) -> Result<(SurfaceAlbedo, f64), ParameterError> {
+        let filter = self.with_values(values).find(|(parameter, _)| parameter.role == Role::Filter);
+        let Some((parameter, color)) = filter else { return Ok((albedo, mfp)) };
+        require(color > 0.0 && color <= 1.0, parameter.name, color, "in (0, 1]")?;
+        let distance = self.setting(values)?;
+        if distance == 0.0 || color == 1.0 {
+            return Ok((albedo, mfp));
+        }
+        let more = 1.0 - mfp * libm::log(color) / distance;
+        let absorbing = |a: f64| multiscatter::color(multiscatter::single_scattering_albedo(a, 0.0) / more);
+        Ok((albedo.map(absorbing)?, mfp / more))
     }
 
     /// Product of the factors, each over the value that changes nothing.

@@ -8,6 +8,9 @@ fn find(name: &str) -> &'static System {
     System::named(name).next().unwrap()
 }
 
+/// A color that leaves 1/e of the light after the distance, which is the length then.
+const ONE_LENGTH: f64 = 0.36787944117144233;
+
 /// Width d for a product of parameters of 1.
 fn width_at_one(system: &System, albedo: SurfaceAlbedo) -> Result<f64, ParameterError> {
     let values: Vec<f64> = system
@@ -15,6 +18,7 @@ fn width_at_one(system: &System, albedo: SurfaceAlbedo) -> Result<f64, Parameter
         .iter()
         .map(|parameter| match parameter.role {
             Role::Factor { per, .. } => per,
+            Role::Attenuation => ONE_LENGTH,
             role => role.default(),
         })
         .collect();
@@ -63,7 +67,9 @@ fn width_of_rise_and_of_media_by_the_diffuse_fit_is_that_of_the_table() {
             let d = find("rise").read(&[1.0 - a, a / (1.0 - g), g], albedo, Searchlight).unwrap().d();
             assert_eq!(format!("{d:.3}"), expected);
         }
-        for name in ["openpbr", "arnold", "appleseed-random-walk", "translucid"] {
+        for name in
+            ["openpbr", "arnold", "appleseed-random-walk", "translucid", "gltf", "substrate", "karma", "vray"]
+        {
             let d = width_at_one(find(name), albedo).unwrap();
             assert_eq!(format!("{d:.3}"), expected, "{name}");
         }
@@ -117,8 +123,13 @@ fn there_and_back(system: &System, channel: &Channel, configuration: crate::Conf
             return;
         }
         Ok(Written::Length(length)) => {
-            let first = system.parameters.iter().position(|p| p.role == Role::Length).unwrap();
-            values[first] = length;
+            let is_part = |p: &Parameter| matches!(p.role, Role::Length | Role::Attenuation);
+            let part = system.parameters.iter().position(is_part).unwrap();
+            values[part] = length;
+            if system.parameters[part].role == Role::Attenuation {
+                let distance = system.parameters.iter().position(|p| p.role == Role::Distance).unwrap();
+                (values[part], values[distance]) = (ONE_LENGTH, length);
+            }
         }
         Ok(Written::Coefficients { sigma_a, sigma_s }) => values[..2].copy_from_slice(&[sigma_a, sigma_s]),
     }
@@ -185,6 +196,51 @@ fn transport_mean_free_paths_of_cycles_are_those_of_its_media() {
     }
 }
 
+/// The medium of glTF's drafts: σ_t = −ln c/d, and α of the multi-scatter color and g, which the newer draft states.
+#[test]
+fn gltf_is_the_medium_of_its_drafts() {
+    for (color, g) in [(0.3, 0.0), (0.8, 0.0), (0.8, 0.6), (0.5, -0.4)] {
+        let s = 4.09712 + 4.20863 * color - (9.59217f64 + 41.6808 * color + 17.7126 * color * color).sqrt();
+        let alpha = (1.0 - s * s) / (1.0 - g * s * s);
+        let (d, c) = (0.01, 0.75f64);
+        let sigma_t = -c.ln() / d;
+        let medium = Medium::new((1.0 - alpha) * sigma_t, alpha * sigma_t, g).unwrap();
+        let albedo = SurfaceAlbedo::gray(color).unwrap();
+        let found = find("gltf").read(&[d, c, g], albedo, Diffuse).unwrap();
+        assert!((found.mfp() / medium.transport_mfp() - 1.0).abs() < 1e-12, "{color} {g}");
+        assert!((medium.surface_albedo(Diffuse) - color).abs() < 2.5e-3, "{color} {g}");
+        assert_eq!(found.albedo().of_channel(), color);
+    }
+}
+
+/// Coefficients of Adobe Standard Material as its importer of glTF has them: the extinction of the scattering part is
+/// 1/(scatteringDistance scale) times max(α)/max(α, max(α)/1000), and the absorption part is added.
+#[test]
+fn adobe_adds_its_absorption() {
+    let system = find("adobe");
+    let alpha = |c: f64| {
+        let s = 4.09712 + 4.20863 * c - (9.59217f64 + 41.6808 * c + 17.7126 * c * c).sqrt();
+        1.0 - s * s
+    };
+    let greatest = 0.9;
+    for color in [1e-4, 0.2, 0.9] {
+        for (filter, distance) in [(1.0, 0.0), (0.5, 0.0), (1.0, 3.0), (0.4, 3.0)] {
+            let (scattering_distance, scale) = (2.0, 0.7);
+            let from_scattering = 1.0 / (scattering_distance * scale) * alpha(greatest)
+                / alpha(color).max(alpha(greatest) / 1000.0);
+            let sigma_s = alpha(color) * from_scattering;
+            let more = if distance > 0.0 { -f64::ln(filter) / distance } else { 0.0 };
+            let medium = Medium::new(from_scattering - sigma_s + more, sigma_s, 0.0).unwrap();
+            let albedo = SurfaceAlbedo::new(color, greatest).unwrap();
+            let found =
+                system.read(&[scattering_distance, scale, distance, filter], albedo, Diffuse).unwrap();
+            assert!((found.mfp() / medium.transport_mfp() - 1.0).abs() < 1e-12, "{color} {filter}");
+            let returned = medium.surface_albedo(Diffuse);
+            assert!((found.albedo().of_channel() - returned).abs() < 2.5e-3, "{color} {filter}");
+        }
+    }
+}
+
 #[test]
 fn read_and_write_refuse_what_has_no_meaning() {
     let albedo = SurfaceAlbedo::gray(0.5).unwrap();
@@ -195,15 +251,22 @@ fn read_and_write_refuse_what_has_no_meaning() {
                 if system.has_coefficients() {
                     values[..2].copy_from_slice(&[0.5, 0.5]);
                 }
+                for (value, parameter) in values.iter_mut().zip(system.parameters) {
+                    if parameter.role == Role::Attenuation {
+                        *value = ONE_LENGTH;
+                    }
+                }
                 values[i] = bad;
                 let is_tiny_coefficient =
                     i < 2 && system.has_coefficients() && bad.abs() < 1e112 && bad > 0.0;
                 let is_setting = matches!(system.parameters[i].role, Role::Setting { .. });
                 let is_small_setting = is_setting && bad == 1e-111;
+                let is_color = matches!(system.parameters[i].role, Role::Attenuation | Role::Filter);
+                let is_black = is_color && bad == 1e-111;
                 let read = system.read(&values, albedo, Diffuse);
                 assert_eq!(
                     read.is_ok(),
-                    is_tiny_coefficient || is_small_setting,
+                    is_tiny_coefficient || is_small_setting || is_black,
                     "{} {i} {bad}",
                     system.title
                 );
@@ -220,7 +283,8 @@ fn names_are_fit_for_a_command_line() {
     for system in System::ALL {
         let fit = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
         assert!(system.name.chars().all(fit) && !system.source.place.is_empty());
-        let lengths = system.parameters.iter().filter(|p| p.role == Role::Length).count();
+        let is_part = |p: &&Parameter| matches!(p.role, Role::Length | Role::Attenuation);
+        let lengths = system.parameters.iter().filter(is_part).count();
         assert_eq!(lengths == 1, !system.has_coefficients(), "{}", system.name);
         // Parameters tell the ways of one system apart
         for other in System::named(system.name).filter(|other| other.title != system.title) {

@@ -201,11 +201,15 @@ fn transmission_takes_its_tint_from_the_volume_else_from_the_base() {
     assert_eq!(material.transmission_weight, ScalarInput::constant(0.5));
     assert_eq!(material.transmission_color.factor, Vec3::new(0.1, 0.2, 0.3));
     assert_eq!(material.transmission_depth, 5.0);
-    assert!(warnings.is_empty(), "{warnings:?}");
-    let (material, warnings) = glass(Value::Null);
-    assert_eq!(material.transmission_color.factor, Vec3::new(0.9, 0.8, 0.7));
-    assert_eq!(material.transmission_depth, 0.0);
-    assert!(warnings[0].contains("transmission without thickness"), "{warnings:?}");
+    assert!(warnings.is_empty() && !material.geometry_thin_walled, "{warnings:?}");
+    // A pane, whose attenuation has no length to act on
+    for volume in [Value::Null, json!({ "attenuationDistance": 0.005, "attenuationColor": [0.1, 0.2, 0.3] })]
+    {
+        let (material, warnings) = glass(volume);
+        assert_eq!(material.transmission_color.factor, Vec3::new(0.9, 0.8, 0.7));
+        assert_eq!(material.transmission_depth, 0.0);
+        assert!(warnings.is_empty() && material.geometry_thin_walled, "{warnings:?}");
+    }
 }
 
 /// KHR_materials_specular: "the specular factor and color only affect the dielectric BRDF".
@@ -268,21 +272,84 @@ fn scattering_entered_through_clear_transmission_is_subsurface_too() {
 }
 
 #[test]
-fn diffuse_transmission_needs_a_volume() {
+fn diffuse_transmission_is_a_sheet_or_the_boundary_of_a_volume() {
     let diffuse = json!({
         "diffuseTransmissionFactor": 0.5, "diffuseTransmissionTexture": { "index": 1 },
         "diffuseTransmissionColorFactor": [0.3, 0.2, 0.1], "diffuseTransmissionColorTexture": { "index": 0 }
     });
-    let (material, warnings) = read(extended("KHR_materials_diffuse_transmission", diffuse.clone()));
-    assert_eq!(material.subsurface_weight, ScalarInput::constant(0.0));
-    assert!(warnings[0].contains("scattering without a KHR_materials_volume"), "{warnings:?}");
-    let mut with_volume = extended("KHR_materials_diffuse_transmission", diffuse);
-    with_volume["extensions"]["KHR_materials_volume"] = skin()["extensions"]["KHR_materials_volume"].clone();
-    let (material, _) = read(with_volume);
-    assert_eq!(material.subsurface_weight.factor, 0.5);
-    assert_eq!(material.subsurface_weight.texture.unwrap().1, Channel::Alpha);
-    assert_eq!(material.subsurface_color.factor, Vec3::new(0.3, 0.2, 0.1));
-    assert!(material.subsurface_color.texture.is_some());
+    let mut material = extended("KHR_materials_diffuse_transmission", diffuse);
+    for thickness in [None, Some(0.0), Some(1.0)] {
+        if let Some(thickness) = thickness {
+            let mut volume = skin()["extensions"]["KHR_materials_volume"].clone();
+            volume["thicknessFactor"] = json!(thickness);
+            material["extensions"]["KHR_materials_volume"] = volume;
+        }
+        let (found, warnings) = read(material.clone());
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert_eq!(found.subsurface_weight.factor, 0.5);
+        assert_eq!(found.subsurface_weight.texture.unwrap().1, Channel::Alpha);
+        assert_eq!(found.subsurface_color.factor, Vec3::new(0.3, 0.2, 0.1));
+        assert!(found.subsurface_color.texture.is_some());
+        let is_thin = thickness != Some(1.0);
+        assert_eq!(found.geometry_thin_walled, is_thin);
+        // All of it passes to the other side
+        assert_eq!(found.subsurface_scatter_anisotropy, if is_thin { 0.9999 } else { 0.0 });
+    }
+}
+
+/// The thin-walled BSDF of KHR_materials_scatter's draft, and of KHR_materials_diffuse_transmission beside
+/// KHR_materials_transmission: shares of the base's light that are reflected, scattered back and through, and passed clearly.
+#[test]
+fn shares_of_a_thin_sheet_are_those_of_the_specifications() {
+    let shares = |material: &Material| {
+        let (clear, scattered) = (material.transmission_weight.factor, material.subsurface_weight.factor);
+        let g = material.subsurface_scatter_anisotropy;
+        let scattered = (1.0 - clear) * scattered;
+        let diffuse = 1.0 - clear - scattered;
+        [diffuse, scattered * (1.0 - g) / 2.0, scattered * (1.0 + g) / 2.0, clear]
+    };
+    for t in [0.0, 0.3, 1.0] {
+        for s in [0.0, 1e-9, 0.25, 1.0] {
+            let g = 0.2;
+            let (sheet, warnings) = read(json!({ "extensions": {
+                "KHR_materials_scatter": { "scatterStrengthFactor": s, "multiscatterColorFactor": [0.8, 0.6, 0.5], "scatterAnisotropy": g },
+                "KHR_materials_transmission": { "transmissionFactor": t },
+            } }));
+            let expected = [1.0 - t, t * s * (1.0 - g) / 2.0, t * s * (1.0 + g) / 2.0, t * (1.0 - s)];
+            for (found, expected) in shares(&sheet).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-6, "{t} {s}: {:?}", shares(&sheet));
+            }
+            assert!(warnings.is_empty() && sheet.geometry_thin_walled == (t > 0.0), "{warnings:?}");
+            assert!(s == 0.0 || sheet.subsurface_color.factor == Vec3::new(0.8, 0.6, 0.5));
+            assert_eq!(sheet.validate(0, 0), Ok(()));
+
+            let (sheet, _) = read(json!({ "extensions": {
+                "KHR_materials_diffuse_transmission": { "diffuseTransmissionFactor": s },
+                "KHR_materials_transmission": { "transmissionFactor": t },
+            } }));
+            let expected = [(1.0 - t) * (1.0 - s), 0.0, (1.0 - t) * s, t];
+            for (found, expected) in shares(&sheet).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "{t} {s}: {:?}", shares(&sheet));
+            }
+        }
+    }
+}
+
+#[test]
+fn an_image_of_transmission_counts_where_a_sheet_scatters_all_of_it() {
+    let sheet = |strength: f64| {
+        read(json!({ "extensions": {
+            "KHR_materials_scatter": { "scatterStrengthFactor": strength },
+            "KHR_materials_transmission": { "transmissionFactor": 0.5, "transmissionTexture": { "index": 1 } },
+        } }))
+    };
+    let (material, warnings) = sheet(1.0);
+    let found = (material.subsurface_weight.factor, material.subsurface_weight.texture.is_some());
+    assert_eq!((found, material.transmission_weight), ((0.5, true), ScalarInput::constant(0.0)));
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (material, warnings) = sheet(0.5);
+    assert_eq!(material.transmission_weight, ScalarInput::constant(0.25));
+    assert!(warnings[0].contains("transmissionTexture is left out"), "{warnings:?}");
 }
 
 /// [`skin`] with the members of an extension changed.
@@ -375,13 +442,8 @@ fn what_scattering_cannot_be_translated_is_told() {
         ),
         (
             "KHR_materials_volume",
-            json!({ "thicknessFactor": 0 }),
-            "a thin sheet (thicknessFactor 0) that scatters",
-        ),
-        (
-            "KHR_materials_volume",
             json!({ "attenuationDistance": null }),
-            "scattering without a KHR_materials_volume",
+            "scattering in a KHR_materials_volume without attenuationDistance",
         ),
         (
             "KHR_materials_volume",
@@ -418,11 +480,11 @@ fn what_scattering_cannot_be_translated_is_told() {
         assert_eq!(material.validate(2, 0), Ok(()));
     }
     // Pieces that are missing: no volume, nothing that lets light in
-    let mut alone = candle();
+    let mut alone = skin();
     alone["extensions"].as_object_mut().unwrap().remove("KHR_materials_volume");
     let (material, warnings) = read(alone);
-    assert_eq!((material.subsurface_weight.factor, material.transmission_weight.factor), (0.0, 0.75));
-    assert!(warnings[0].contains("scattering without a KHR_materials_volume"), "{warnings:?}");
+    assert!(material.geometry_thin_walled && material.subsurface_color.factor == Vec3::ONE);
+    assert!(warnings[0].contains("without KHR_materials_volume is left out"), "{warnings:?}");
     let mut closed = candle();
     closed["extensions"].as_object_mut().unwrap().remove("KHR_materials_transmission");
     assert_eq!(read(closed).0.subsurface_weight, ScalarInput::constant(0.0));

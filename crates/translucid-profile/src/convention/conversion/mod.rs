@@ -4,7 +4,7 @@ mod names;
 mod rows;
 mod setting;
 
-use super::{Channel, LengthUnit, Role, SurfaceAlbedo, System, Unit};
+use super::{Channel, Parameter, Role, SurfaceAlbedo, System, Unit};
 use crate::short::Short;
 use crate::{Configuration, InputError, ParameterError};
 pub use names::conversion_system_names;
@@ -153,10 +153,11 @@ impl Conversion<'_> {
         // A channel of length 0 is Lambertian, but all of them are nothing to convert
         let is_zero = |values: &Vec<f64>| {
             let lengths = source.parameters.iter().zip(values);
-            lengths.filter(|(p, _)| matches!(p.role, Role::Length | Role::Distance)).any(|(_, v)| *v == 0.0)
+            lengths.filter(|(p, _)| p.role.is_of_length()).any(|(_, v)| *v == 0.0)
         };
         if values.iter().all(is_zero) {
-            let parameter = source.parameters.iter().zip(&values[0]).find(|(_, value)| **value == 0.0);
+            let is_zero = |(p, value): &(&Parameter, &f64)| p.role.is_of_length() && **value == 0.0;
+            let parameter = source.parameters.iter().zip(&values[0]).find(is_zero);
             let name = parameter.map_or("", |(parameter, _)| parameter.name);
             let error = InputError::new(format!(
                 "{} {}:{name} is 0, but must be above 0",
@@ -170,15 +171,19 @@ impl Conversion<'_> {
         let fail = |error: ParameterError| self.source_error(source, &error);
         let albedos = self.albedos(source, &values)?;
         let greatest = albedos.iter().copied().fold(0.0, f64::max);
-        albedos
+        let channels: Vec<Channel> = albedos
             .iter()
             .zip(&values)
             .map(|(&a, values)| {
                 let albedo = SurfaceAlbedo::new(a, greatest.max(a)).map_err(fail)?;
                 let channel = source.read(values, albedo, self.configuration).map_err(fail)?;
-                channel.in_unit(millimeters(source.unit, self.unit)).map_err(fail)
+                channel.in_unit(source.unit.in_millimeters(self.unit)).map_err(fail)
             })
-            .collect()
+            .collect::<Result<_, _>>()?;
+
+        // Absorption may have made another channel the greatest
+        let greatest = channels.iter().map(|c| c.albedo().of_channel()).fold(0.0, f64::max);
+        channels.into_iter().map(|channel| channel.among(greatest).map_err(fail)).collect()
     }
 
     fn albedos(&self, source: &System, values: &[Vec<f64>]) -> Result<Vec<f64>, InputError> {
@@ -231,7 +236,7 @@ impl Conversion<'_> {
         let parameter = setting.resolve(set, targets)?;
         match parameter.role {
             Role::Factor { .. } | Role::Setting { .. } | Role::Distance => Ok(()),
-            Role::Length | Role::Absorption | Role::Scattering => {
+            Role::Length | Role::Attenuation | Role::Filter | Role::Absorption | Role::Scattering => {
                 let message =
                     format!("{set} {}:{} is what the conversion finds", setting.system, parameter.name);
                 Err(InputError::new(message).with_help("only factors and distances can be chosen"))
@@ -254,14 +259,5 @@ impl Conversion<'_> {
         }
         InputError::new(format!("{} has no numbers for this material: {error}", target.name))
             .with_help(format!("its rule is {}", target.formula))
-    }
-}
-
-/// Millimeters in the unit of a system's lengths.
-fn millimeters(unit: LengthUnit, scene: Unit) -> f64 {
-    match unit {
-        LengthUnit::Scene => scene.in_millimeters(),
-        LengthUnit::Millimeter => 1.0,
-        LengthUnit::Centimeter => 10.0,
     }
 }

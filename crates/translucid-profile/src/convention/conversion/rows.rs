@@ -1,8 +1,7 @@
 //! A material as the numbers of one system.
 
-use super::millimeters;
 use super::setting::Setting;
-use crate::convention::{Channel, Equal, LengthUnit, Parameter, Role, System, Unit, Written as Number};
+use crate::convention::{Channel, Equal, Parameter, Role, System, Unit, Written as Number};
 use crate::short::Short;
 use crate::{Configuration, ParameterError};
 
@@ -47,7 +46,7 @@ pub(super) fn write(
         .iter()
         .map(|p| given(p).map_or(p.role.default(), |setting| setting.value(0)))
         .collect();
-    let millimeters = millimeters(system.unit, scene);
+    let millimeters = system.unit.in_millimeters(scene);
     let written: Vec<Number> = channels
         .iter()
         .map(|channel| system.write(&channel.in_unit(1.0 / millimeters)?, &values, configuration))
@@ -59,6 +58,10 @@ pub(super) fn write(
     let has_distance = system.parameters.iter().any(|p| p.role == Role::Distance);
     let chosen = system.parameters.iter().find(|p| p.role == Role::Distance).and_then(given);
     let greatest = lengths.iter().copied().fold(0.0, f64::max);
+    // A color of e^(−300) still has all its digits
+    let has_attenuation = system.parameters.iter().any(|p| p.role == Role::Attenuation);
+    let least = lengths.iter().copied().filter(|length| *length > 0.0).fold(f64::INFINITY, f64::min);
+    let greatest = if has_attenuation { greatest.min(300.0 * least) } else { greatest };
     let distance = if has_distance { chosen.map_or(greatest, |setting| setting.value(0)) } else { 1.0 };
 
     // Print every parameter, the surface albedo first
@@ -82,13 +85,17 @@ pub(super) fn write(
         match parameter.role {
             Role::Distance => push(parameter.name, "all", distance, &unit, equal),
             Role::Factor { .. } | Role::Setting { .. } => push(parameter.name, "all", value, "", equal),
-            Role::Length | Role::Absorption | Role::Scattering => {
+            Role::Filter => push(parameter.name, "all", value, "", equal),
+            Role::Length | Role::Attenuation | Role::Absorption | Role::Scattering => {
                 for (i, written) in written.iter().enumerate() {
                     let (value, unit) = match (parameter.role, *written) {
                         (Role::Absorption, Number::Coefficients { sigma_a, .. }) => {
                             (sigma_a, format!("1/{unit}"))
                         }
                         (_, Number::Coefficients { sigma_s, .. }) => (sigma_s, format!("1/{unit}")),
+                        (Role::Attenuation, Number::Length(length)) => {
+                            (libm::exp(-distance / length), String::new())
+                        }
                         (_, Number::Length(length)) => (length / distance, length_unit.to_owned()),
                     };
                     push(parameter.name, channel_name(i, channels.len()), value, &unit, equal);
@@ -102,16 +109,19 @@ pub(super) fn write(
         let name = system.name;
         format!("{name} reaches a surface albedo of {brightest:.3}: brighter channels become that")
     });
+    let is_faint = |length: &f64| has_attenuation && *length > 0.0 && distance < 1e-6 * length;
+    let note = note.or_else(|| {
+        let name = system.name;
+        lengths.iter().any(is_faint).then(|| {
+            format!("{name} holds a length a million times the distance of its color in few digits or none")
+        })
+    });
     Ok((rows, note.or_else(|| note_of_short_lengths(system, &lengths))))
 }
 
 /// Unit of a length, with the factor that the system multiplies it by.
 fn unit_name(system: &System, scene: Unit) -> String {
-    let unit = match system.unit {
-        LengthUnit::Scene => scene.name(),
-        LengthUnit::Millimeter => "mm",
-        LengthUnit::Centimeter => "cm",
-    };
+    let unit = system.unit.name().unwrap_or(scene.name());
     // A factor that starts as what changes nothing leaves the unit as it is
     let factor =
         system.parameters.iter().find(|p| matches!(p.role, Role::Factor { default, per } if default != per));

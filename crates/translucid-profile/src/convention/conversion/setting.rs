@@ -115,7 +115,7 @@ pub(super) fn source(names: &ArgumentNames, settings: &[Setting]) -> Result<&'st
     };
     for way in &ways {
         let knows_all = settings.iter().all(|s| way.parameters.iter().any(|parameter| s.is_of(parameter)));
-        let is_length = |p: &&Parameter| matches!(p.role, Role::Length | Role::Distance);
+        let is_length = |p: &&Parameter| p.role.is_of_length();
         let is_coefficient = |p: &&Parameter| matches!(p.role, Role::Absorption | Role::Scattering);
         let has_length = way.parameters.iter().filter(is_length).any(|p| has(way, p));
         let has_coefficients =
