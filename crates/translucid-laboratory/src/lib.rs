@@ -33,11 +33,15 @@
 //! # Out of scope
 //! Writing files: everything here returns text or bytes.
 
+// What walks and layers are compared with is not compiled to WebAssembly, where the reference has the half space alone.
+
 mod chart;
 pub mod colorimetry;
+#[cfg(not(target_family = "wasm"))]
 pub mod comparison;
 mod data_table;
 mod drawing;
+#[cfg(not(target_family = "wasm"))]
 pub mod figures;
 mod markup;
 #[cfg(doctest)]
@@ -45,7 +49,9 @@ mod model_pages;
 mod page;
 pub mod picture;
 mod random;
+#[cfg(not(target_family = "wasm"))]
 pub mod skin;
+#[cfg(not(target_family = "wasm"))]
 pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
