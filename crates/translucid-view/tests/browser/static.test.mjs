@@ -148,9 +148,10 @@ test("it is compared with the random walk", async () => {
 
 test("profile and numbers are computed here, too", async () => {
     await view.choose("material-subsurface_model", "dipole");
-    await view.click("toggle-profile");
+    for (const name of ["profile", "numbers"]) {
+        if (!(await view.page.locator(`#${name}-panel`).isVisible())) await view.click(`toggle-${name}`);
+    }
     await view.page.locator("#profile-errors li", { hasText: "%" }).nth(2).waitFor();
-    await view.click("toggle-numbers");
     await view.page.locator("#numbers-tables table").first().waitFor();
     await view.page.locator(".system .copy").first().click();
     await view.page.waitForFunction(async () => (await navigator.clipboard.readText()).length > 0);
@@ -186,7 +187,7 @@ test("a broken file is named, and the scene before it stays", async () => {
         [{ "broken.obj": "v 0 0 0\nf 1 2 9\n" }, /broken\.obj.*line 2|broken\.obj:2/],
         [{ "broken.glb": "glTF nonsense" }, /broken\.glb/],
         [{ "broken.toml": 'unit = "cm"\n[film]\nexposure = 99\n' }, /broken\.toml.*exposure is 99/],
-        [{ "lonely.toml": 'unit = "cm"\n[[object]]\nname = "a"\nmesh = "missing.obj"\n' }, /missing\.obj does not exist/],
+        [{ "lonely.toml": 'unit = "cm"\n[[object]]\nname = "a"\nfile = "missing.obj"\n' }, /missing\.obj does not exist/],
     ]) {
         await drop(view, files);
         const notice = view.page.locator(".notice.error").last();
