@@ -33,7 +33,7 @@
 //! # Out of scope
 //! Writing files: everything here returns text or bytes.
 
-// What walks and layers are compared with is not compiled to WebAssembly, where the reference has the half space alone.
+// In WebAssembly, where the reference has the exact half space alone, nothing is compared with walks or layers.
 
 mod chart;
 pub mod colorimetry;
