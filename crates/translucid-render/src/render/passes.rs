@@ -57,9 +57,10 @@ impl PreparedScene {
     /// Adds samples of a view to the film until the goal is reached, on the current rayon pool.
     ///
     /// The film has the size of the view's region, and can be read meanwhile. An interrupted rendering leaves all samples
-    /// in it that were done; a film is of one scene and one view, so that the next rendering may use them. One that goes on from there gives the same bits as one that was not interrupted: the sums are
-    /// exact, and the samples' numbers alone decide which pixels share light. So nothing depends on the number of threads,
-    /// on where the work was interrupted, or on which part of it was done elsewhere.
+    /// in it that were done; a film is of one scene and one view, so the next rendering may use them. One that goes on from
+    /// there gives the same bits as one that was not interrupted: the sums are exact, and the samples' numbers alone decide
+    /// which pixels share light. So nothing depends on the number of threads, on where the work was interrupted, or on which
+    /// part of it was done elsewhere.
     ///
     /// `stop` ends the work within the time of a path.
     pub fn render(
