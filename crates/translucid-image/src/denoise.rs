@@ -14,7 +14,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::ptr;
 
-use libloading::Library;
+#[cfg(not(target_family = "wasm"))]
+use libloading::{Error as LibraryError, Library};
+#[cfg(target_family = "wasm")]
+use no_libraries::{Library, LibraryError};
 
 use crate::picture::finite_single;
 use crate::{OutputError, Picture};
@@ -164,6 +167,36 @@ impl Denoiser {
     }
 }
 
+/// Libraries where programs open none.
+#[cfg(target_family = "wasm")]
+mod no_libraries {
+    use std::fmt;
+    use std::path::Path;
+
+    pub(super) enum Library {}
+
+    #[derive(Debug)]
+    pub(super) struct LibraryError;
+
+    impl fmt::Display for LibraryError {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("WebAssembly opens no libraries")
+        }
+    }
+
+    impl std::error::Error for LibraryError {}
+
+    impl Library {
+        pub(super) unsafe fn new(_: &Path) -> Result<Self, LibraryError> {
+            Err(LibraryError)
+        }
+
+        pub(super) unsafe fn get<F>(&self, _: &[u8]) -> Result<&F, LibraryError> {
+            match *self {}
+        }
+    }
+}
+
 /// The error of a library that is not there, or is another one.
 fn not_found(message: String) -> OutputError {
     OutputError::without_file(message).with_help(format!(
@@ -173,14 +206,14 @@ fn not_found(message: String) -> OutputError {
 }
 
 /// Opens a library, which runs its initializers.
-fn open(path: &Path) -> Result<Library, libloading::Error> {
+fn open(path: &Path) -> Result<Library, LibraryError> {
     // SAFETY: initializers are code that the user has chosen to run, by name or by installing it, as any
     // library that a program links to; those of Open Image Denoise and TBB have no preconditions.
     unsafe { Library::new(path) }
 }
 
 /// The system's words on a library that cannot be opened, such as another one that it needs.
-fn reason(error: &libloading::Error) -> String {
+fn reason(error: &LibraryError) -> String {
     error.source().map_or_else(|| error.to_string(), ToString::to_string)
 }
 

@@ -30,10 +30,12 @@ impl From<String> for Cell {
 }
 
 /// A row of cells from words and numbers.
+#[cfg(not(target_family = "wasm"))]
 macro_rules! row {
     ($($cell:expr),+ $(,)?) => { vec![$($crate::Cell::from($cell)),+] };
 }
 
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use row;
 
 /// A table with named columns.

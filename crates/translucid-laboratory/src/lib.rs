@@ -35,11 +35,15 @@
 //! # Out of scope
 //! Writing files: everything here returns text or bytes.
 
+// In WebAssembly, where the reference has the exact half space alone, nothing is compared with walks or layers.
+
 mod chart;
 pub mod colorimetry;
+#[cfg(not(target_family = "wasm"))]
 pub mod comparison;
 mod data_table;
 mod drawing;
+#[cfg(not(target_family = "wasm"))]
 pub mod figures;
 pub mod judge;
 mod markup;
@@ -49,7 +53,9 @@ pub mod oracle;
 mod page;
 pub mod picture;
 mod random;
+#[cfg(not(target_family = "wasm"))]
 pub mod skin;
+#[cfg(not(target_family = "wasm"))]
 pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};

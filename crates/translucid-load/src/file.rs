@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
+#[cfg(not(target_family = "wasm"))]
 use translucid_scene::{Place, SceneError};
 
 /// A file's extension in lower case; empty if it has none.
@@ -15,10 +16,20 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+#[cfg(target_family = "wasm")]
+pub(crate) use crate::given_files::{is_file, read_file};
+
+/// Whether there is a file at a path.
+#[cfg(not(target_family = "wasm"))]
+pub(crate) fn is_file(path: &Path) -> bool {
+    path.is_file()
+}
+
 /// Reads a file whole.
 ///
 /// # Errors
 /// The file is missing, cannot be read, or is not a file: a pipe would keep the reader waiting.
+#[cfg(not(target_family = "wasm"))]
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
     let failure = |reason: String| SceneError::at(Place::file(path), format!("cannot be read: {reason}"));
     let metadata = std::fs::metadata(path).map_err(|error| failure(error.to_string()))?;

@@ -17,6 +17,8 @@ mod bare_mesh;
 mod creases;
 mod extent;
 mod file;
+#[cfg(target_family = "wasm")]
+mod given_files;
 mod gltf;
 mod image;
 mod kinds;
@@ -47,6 +49,8 @@ mod watch;
 mod weld;
 mod winding;
 
+#[cfg(target_family = "wasm")]
+pub use given_files::give_file;
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};
 pub use load_scene::load_scene;

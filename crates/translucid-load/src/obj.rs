@@ -12,7 +12,7 @@ use super::MeshFile;
 use super::mtl::{ImagePool, parse_mtl};
 use super::polygon::triangulate;
 use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
-use crate::file::stem;
+use crate::file::{is_file, stem};
 use crate::loading::Loading;
 use crate::origin::Anchor;
 use crate::vertex_colors::white_of;
@@ -467,7 +467,7 @@ fn smoothing(rest: &[u8]) -> Smoothing {
 fn library_paths(path: &Path, names: &str) -> Vec<PathBuf> {
     let names = names.replace('\\', "/");
     let whole = path.with_file_name(&names);
-    if whole.is_file() || names.is_empty() {
+    if is_file(&whole) || names.is_empty() {
         return vec![whole];
     }
     names.split_whitespace().map(|name| path.with_file_name(name)).collect()

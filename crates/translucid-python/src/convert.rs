@@ -4,8 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use translucid_profile::convention::{
-    self, ArgumentNames, Conversion, ConvertedNumber, CyclesWalk, Role, Setting, SurfaceAlbedo,
-    System, Unit,
+    self, ArgumentNames, Conversion, ConvertedNumber, CyclesWalk, Role, Setting, SurfaceAlbedo, System, Unit,
 };
 use translucid_profile::{Configuration, InputError, ParameterError};
 

@@ -84,8 +84,8 @@ pub use ray::{Geometry, Hit, Ray};
 pub use render::{
     Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, MOST_MATTE_SAMPLES,
     Outcome, PathTracing, Picked, Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader,
-    ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, View, content_hash, is_shard,
-    matte_hash, matte_id, save_shard,
+    ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, TracedBlock, View, content_hash,
+    is_shard, matte_hash, matte_id, save_shard,
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, available_memory};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointPlan, PointProgress};

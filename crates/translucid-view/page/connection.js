@@ -1,4 +1,4 @@
-// The WebSocket: messages with numbers, their answers, and coming back when it is lost.
+// The connection: messages with numbers, their answers, and coming back when it is lost.
 
 import { Events } from "./events.js";
 
@@ -10,16 +10,17 @@ const WAITS = [200, 400, 800, 1600, 3000, 5000];
  * sent with a number `sent` and `answered`.
  */
 export class Connection extends Events {
-    #url;
+    #openSocket;
     #socket = null;
     #attempts = 0;
     #timer = 0;
     #id = 0;
     #waiting = new Map();
 
-    constructor(url) {
+    /** `openSocket()` gives a WebSocket, or what behaves as one. */
+    constructor(openSocket) {
         super();
-        this.#url = url;
+        this.#openSocket = openSocket;
         document.addEventListener("visibilitychange", () => {
             if (!document.hidden && !this.isOpen) this.open();
         });
@@ -34,15 +35,23 @@ export class Connection extends Events {
     open() {
         clearTimeout(this.#timer);
         if (this.#socket && this.#socket.readyState < WebSocket.CLOSING) return;
-        const socket = new WebSocket(this.#url);
+        const socket = this.#openSocket();
         this.#socket = socket;
-        socket.binaryType = "arraybuffer";
         socket.onopen = () => {
             this.#attempts = 0;
             this.emit("open");
         };
         socket.onmessage = ({ data }) => this.#receive(data);
         socket.onclose = () => this.#lost(socket);
+    }
+
+    /** Leaves the session for another one. */
+    reopen() {
+        const before = this.#socket;
+        this.#socket = null;
+        before?.close();
+        this.#forget("the session was left");
+        this.open();
     }
 
     /** Sends a message; its number, or null where there is no connection. */
@@ -82,10 +91,16 @@ export class Connection extends Events {
 
     #lost(socket) {
         if (socket !== this.#socket) return;
-        for (const { reject } of this.#waiting.values()) reject(new Error("the connection was lost"));
-        this.#waiting.clear();
+        this.#forget("the connection was lost");
         const wait = WAITS[Math.min(this.#attempts++, WAITS.length - 1)];
         this.#timer = setTimeout(() => this.open(), wait);
         this.emit("lost", { attempts: this.#attempts });
+    }
+
+    /** Nobody answers what was asked. */
+    #forget(why) {
+        for (const { reject } of this.#waiting.values()) reject(new Error(why));
+        this.#waiting.clear();
+        this.emit("forgotten");
     }
 }

@@ -2,6 +2,7 @@
 
 import { split } from "./color.js";
 import { byId } from "./dom.js";
+import { areScene, sendEnvironment } from "./host.js";
 import { CheckRow, ChoiceRow, ColorRow, NumberRow } from "./row.js";
 import { linear, logarithmic, logarithmicFromZero } from "./scale.js";
 import { scale } from "./vector.js";
@@ -42,10 +43,8 @@ export class EnvironmentPanel {
         this.#load.disabled = true;
         const progress = this.#notices.say(`Loading ${file.name} \u2026`);
         try {
-            const url = `environment?name=${encodeURIComponent(file.name)}`;
-            const answer = await fetch(url, { method: "POST", body: file });
-            const result = await answer.json().catch(() => ({ message: `the server answered ${answer.status}` }));
-            if (!answer.ok) this.#notices.error({ ...result, message: `${file.name}: ${result.message}` });
+            const error = await sendEnvironment(file);
+            if (error) this.#notices.error({ ...error, message: `${file.name}: ${error.message}` });
         } catch {
             this.#notices.error({ message: `${file.name} was not sent: the connection was lost` });
         }
@@ -107,7 +106,8 @@ export class EnvironmentPanel {
             target.hidden = true;
             if (!hasFile(event)) return;
             event.preventDefault();
-            if (event.dataTransfer.files[0]) this.upload(event.dataTransfer.files[0]);
+            const files = [...event.dataTransfer.files];
+            if (files.length > 0 && !areScene(files)) this.upload(files[0]);
         });
     }
 }

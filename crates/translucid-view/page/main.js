@@ -7,6 +7,7 @@ import { Dock } from "./dock.js";
 import { byId, make, setText } from "./dom.js";
 import { EnvironmentPanel } from "./environment.js";
 import { History } from "./history.js";
+import { openSocket, startSaving, startScenes } from "./host.js";
 import { Inspector } from "./inspector.js";
 import { startKeyboard } from "./keyboard.js";
 import { LightsPanel } from "./lights.js";
@@ -25,9 +26,7 @@ import { startTabs } from "./tabs.js";
 import { startTheme } from "./theme.js";
 import { ViewBar } from "./view-bar.js";
 
-const address = new URL("socket", location.href);
-address.protocol = "ws:";
-const connection = new Connection(address);
+const connection = new Connection(openSocket);
 const session = new Session(connection);
 
 const picture = new Picture(session);
@@ -49,6 +48,8 @@ new EnvironmentPanel(session, notices);
 new RenderPanel(session, picture);
 new ScaleBar(session, picture, navigation, materials);
 new NumbersPanel(session, materials, dock);
+startSaving(session, notices);
+startScenes(connection, notices);
 startTheme();
 startMenu("save");
 startMenu("notes");
@@ -74,8 +75,6 @@ session.on("state", ({ command, notes }) => {
     setText(byId("notes-count"), notes.length === 1 ? "1 note" : `${notes.length} notes`);
     const texts = [...byId("notes-list").children].map((item) => item.textContent);
     if (texts.join("\n") !== notes.join("\n")) byId("notes-list").replaceChildren(...notes.map((note) => make("li", {}, note)));
-    const side = session.side;
-    for (const kind of ["exr", "png"]) byId(`save-${kind}`).href = `picture.${kind}?side=${side}`;
 });
 byId("command").after(copyButton({ id: "copy-command", label: "Copy the command", text: () => session.state?.command ?? "" }));
 

@@ -44,10 +44,15 @@ export class MaterialPanel {
     #preset = byId("preset");
     #rows = new Map();
     #shown = null;
+    #scene = null;
     #onSelect = new Set();
 
     constructor(session) {
         this.#session = session;
+        session.on("hello", ({ name }) => {
+            if (name !== this.#scene) this.index = null;
+            this.#scene = name;
+        });
         session.on("state", () => {
             this.#build(session.hello);
             this.#show();

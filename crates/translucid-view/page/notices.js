@@ -1,6 +1,7 @@
 // What the page has to say: errors of no control, and that the connection is lost.
 
 import { byId, icon, make, setText } from "./dom.js";
+import { LOST } from "./host.js";
 
 /** How long a message stays, in milliseconds; errors stay longer. */
 const STAYS = 4000;
@@ -22,10 +23,7 @@ export class Notices {
             document.body.classList.add("lost");
             this.#banner.hidden = false;
             const isBrief = attempts < 3;
-            const text = isBrief
-                ? "The connection was lost. Coming back \u2026"
-                : "translucid does not answer. Is the command still running? A new one prints a new address.";
-            setText(byId("lost-text"), text);
+            setText(byId("lost-text"), isBrief ? "The connection was lost. Coming back \u2026" : LOST);
             byId("lost-now").hidden = isBrief;
         });
         byId("lost-now").addEventListener("click", () => session.connect());

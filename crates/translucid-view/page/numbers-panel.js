@@ -14,6 +14,8 @@ export class NumbersPanel {
 
     constructor(session, materials, dock) {
         const watch = new Watch(session, materials, "numbers", () => dock.isOpen("numbers"), (answer) => {
+            // Where the connection was lost, the next one is asked
+            if (!answer) return;
             this.#answer = answer;
             this.#show();
         });

@@ -24,7 +24,7 @@ export function startProbe(connection, session, picture) {
         if (message) Object.assign(message, { isAnswered: true, version });
     });
     // What was under way then is never answered.
-    connection.on("lost", () => (sent.length = 0));
+    connection.on("forgotten", () => (sent.length = 0));
     const last = () => painted[painted.length - 1] ?? null;
     const copy = (list) => list.map((entry) => ({ ...entry }));
     Object.defineProperty(window, "translucidView", {

@@ -24,7 +24,8 @@ export class Session extends Events {
         this.#connection = connection;
         this.#pacer = new Pacer((edit) => this.#deliver(edit));
         connection.on("open", () => this.emit("open"));
-        connection.on("lost", (lost) => this.#lost(lost));
+        connection.on("forgotten", () => this.#forget());
+        connection.on("lost", (lost) => this.emit("lost", lost));
         connection.on("frame", (bytes) => this.emit("frame", bytes));
         connection.on("hello", (hello) => {
             this.hello = hello;
@@ -196,11 +197,10 @@ export class Session extends Events {
         });
     }
 
-    #lost(lost) {
+    #forget() {
         this.#pacer.clear();
         this.#controls.clear();
         this.#answered = 0;
-        this.emit("lost", lost);
     }
 }
 

@@ -11,11 +11,13 @@
 //! Anything that a page changes interrupts it within the time of a path. Both sides share one prepared scene, which is
 //! edited back and forth: their materials cost less than a millisecond, another hierarchy would cost its memory.
 
+#[cfg(any(test, target_family = "wasm"))]
+mod crew;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use axum::body::Bytes;
 use serde_json::{Value, json};
 use translucid_laboratory::picture as laboratory;
 use translucid_render::{
@@ -24,6 +26,7 @@ use translucid_render::{
 };
 use translucid_scene::{Film, SubsurfaceMethod};
 
+use crate::clock::Instant;
 use crate::look::Look;
 use crate::message::Side;
 use crate::shared::{Frame, Shared, SideFilm};
@@ -50,6 +53,7 @@ const REPORT_PAUSE: Duration = Duration::from_millis(200);
 /// Time of a path before anything is known \[s\].
 const FIRST_GUESS: f64 = 3e-6;
 /// How often a waiting renderer looks whether the program ends.
+#[cfg(not(target_family = "wasm"))]
 const NAP: Duration = Duration::from_millis(100);
 
 /// What is known and done of one side.
@@ -59,12 +63,17 @@ struct SideWork {
     film: Arc<LiveFilm>,
     /// Time of its samples \[s\].
     seconds: f64,
+    /// The part of it since all pixels got a sample last \[s\].
+    unfinished_seconds: f64,
     /// One sample a pixel at a fraction of the resolution, until the film has samples.
     preview: Option<(Fraction, FilmSums)>,
     /// Some of the film's pixels as they were at about half of its samples, for an estimate of its noise.
     half: Option<(laboratory::Picture, u32)>,
     noise: Option<f64>,
     points: Option<PointCloud>,
+    /// What other workers were given of it to trace.
+    #[cfg(any(test, target_family = "wasm"))]
+    dealt: crew::Dealt,
     /// Time of a path \[s\].
     cost: f64,
     shown: Option<LastShown>,
@@ -95,6 +104,9 @@ pub(crate) struct Engine<'a> {
     /// The look that the prepared scene has now.
     look: Arc<Look>,
     images: usize,
+    /// Films that were begun.
+    #[cfg(any(test, target_family = "wasm"))]
+    films: u32,
     wanted: Wanted,
     sides: [Option<SideWork>; 2],
     difference: Value,
@@ -115,6 +127,8 @@ impl<'a> Engine<'a> {
             prepared,
             look,
             images: 0,
+            #[cfg(any(test, target_family = "wasm"))]
+            films: 0,
             wanted: wanted.clone(),
             sides: [None, None],
             difference: Value::Null,
@@ -129,30 +143,47 @@ impl<'a> Engine<'a> {
     }
 
     /// Renders on the current rayon pool until the program is to end.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn run(&mut self) {
         while !self.quit.load(Ordering::Relaxed) {
-            if self.shared.stop.load(Ordering::Relaxed) {
-                let wanted = self.shared.take_wanted();
-                self.renew(wanted);
+            if let Some(time) = self.step(None) {
+                self.shared.wait(self.wanted.version, time.min(NAP));
             }
-            match self.next_work() {
-                Work::Preview(side, fraction) => self.preview(side, fraction),
-                Work::Points(side) => self.make_points(side),
-                Work::Samples(side) => self.sample(side),
-                Work::Wait(time) => self.shared.wait(self.wanted.version, time.min(NAP)),
-                Work::Rest(phase) => {
-                    if self.rested != Some(self.wanted.version) {
-                        self.rested = Some(self.wanted.version);
-                        self.measure();
-                        self.show_version();
-                        if self.wanted.shown == Shown::Flip {
-                            self.show_comparison(Shown::Flip);
-                        }
-                        self.report(phase, "");
+        }
+    }
+
+    /// Does what comes next: how long nothing is left to do unless something changes; none where there is more.
+    ///
+    /// `slice` ends the addition of samples, for callers that have one thread for this and for what pages say. What was
+    /// traced is kept for the next step.
+    pub(crate) fn step(&mut self, slice: Option<Duration>) -> Option<Duration> {
+        self.follow();
+        match self.next_work() {
+            Work::Preview(side, fraction) => self.preview(side, fraction),
+            Work::Points(side) => self.make_points(side),
+            Work::Samples(side) => self.sample(side, slice),
+            Work::Wait(time) => return Some(time),
+            Work::Rest(phase) => {
+                if self.rested != Some(self.wanted.version) {
+                    self.rested = Some(self.wanted.version);
+                    self.measure();
+                    self.show_version();
+                    if self.wanted.shown == Shown::Flip {
+                        self.show_comparison(Shown::Flip);
                     }
-                    self.shared.wait(self.wanted.version, NAP);
+                    self.report(phase, "");
                 }
+                return Some(Duration::MAX);
             }
+        }
+        None
+    }
+
+    /// Takes over what is wanted, if that has changed.
+    fn follow(&mut self) {
+        if self.shared.stop.load(Ordering::Relaxed) {
+            let wanted = self.shared.take_wanted();
+            self.renew(wanted);
         }
     }
 
@@ -192,7 +223,7 @@ impl<'a> Engine<'a> {
     }
 
     /// A side without samples. It knows what a path costs, and its points, from the one before.
-    fn begin(&self, old: Option<SideWork>, look: Arc<Look>) -> Option<SideWork> {
+    fn begin(&mut self, old: Option<SideWork>, look: Arc<Look>) -> Option<SideWork> {
         let Wanted { camera, film, .. } = self.wanted;
         let seed = look.integrator.seed;
         let reusable = old.as_ref().map(|old| &old.view);
@@ -208,11 +239,19 @@ impl<'a> Engine<'a> {
         let cost = old.as_ref().map(|old| old.cost).or(other_cost).unwrap_or(FIRST_GUESS);
         let points = old.filter(|old| !old.look.differs(&look)).and_then(|old| old.points);
         let points = points.filter(|points| self.prepared.points_serve(points, &view));
+        #[cfg(any(test, target_family = "wasm"))]
+        let dealt = {
+            self.films += 1;
+            crew::Dealt::nothing(self.films, view.block_count(0))
+        };
         Some(SideWork {
             look,
+            #[cfg(any(test, target_family = "wasm"))]
+            dealt,
             view,
             film: Arc::new(LiveFilm::new(FilmSums::new(region.width, region.height))),
             seconds: 0.0,
+            unfinished_seconds: 0.0,
             preview: None,
             half: None,
             noise: None,
@@ -309,19 +348,20 @@ impl<'a> Engine<'a> {
         soon.unwrap_or(Fraction::Eighth)
     }
 
-    /// Renders into a film until each pixel has so many samples; the time that a path took, if it came to an end.
-    fn render(&self, view: &View, film: &LiveFilm, samples: u32) -> (Outcome, f64) {
-        let before = film.sums().paths();
+    /// Renders into a film until each pixel has so many samples, or a slice of time is over; how long it took \[s\].
+    fn render(&self, view: &View, film: &LiveFilm, samples: u32, slice: Option<Duration>) -> (Outcome, f64) {
         let start = Instant::now();
+        let is_over = AtomicBool::new(false);
         let watch = |_| {
-            if self.quit.load(Ordering::Relaxed) {
+            is_over.store(slice.is_some_and(|slice| start.elapsed() >= slice), Ordering::Relaxed);
+            if is_over.load(Ordering::Relaxed) || self.quit.load(Ordering::Relaxed) {
                 self.shared.stop.store(true, Ordering::Relaxed);
             }
         };
         let goal = Goal { samples: 0..samples, deadline: None };
         let outcome = self.prepared.render(view, film, &goal, &watch, &self.shared.stop);
-        let paths = film.sums().paths() - before;
-        (outcome, start.elapsed().as_secs_f64() / paths.max(1) as f64)
+        let outcome = if is_over.into_inner() { Outcome::TimeUp } else { outcome };
+        (outcome, start.elapsed().as_secs_f64())
     }
 
     fn preview(&mut self, side: usize, fraction: Fraction) {
@@ -330,10 +370,10 @@ impl<'a> Engine<'a> {
         let view = work.view.at(fraction);
         let region = view.region();
         let film = LiveFilm::new(FilmSums::new(region.width, region.height));
-        let (outcome, cost) = self.render(&view, &film, 1);
+        let (outcome, seconds) = self.render(&view, &film, 1, None);
         let Some(work) = &mut self.sides[side] else { return };
         if outcome == Outcome::Finished {
-            work.cost = cost;
+            work.cost = seconds / region.area() as f64;
             work.preview = Some((fraction, film.into_sums()));
             self.show(side);
             self.report("preview", "");
@@ -377,18 +417,19 @@ impl<'a> Engine<'a> {
         }
     }
 
-    fn sample(&mut self, side: usize) {
+    fn sample(&mut self, side: usize, slice: Option<Duration>) {
         self.prepare(side);
         let Some(work) = &self.sides[side] else { return };
         let (view, film) = (work.view.clone(), Arc::clone(&work.film));
         let before = film.samples();
-        let start = Instant::now();
-        let (outcome, cost) = self.render(&view, &film, work.next_samples());
+        let (outcome, seconds) = self.render(&view, &film, work.next_samples(), slice);
         let Some(work) = &mut self.sides[side] else { return };
-        work.seconds += start.elapsed().as_secs_f64();
+        work.seconds += seconds;
+        work.unfinished_seconds += seconds;
         let samples = film.samples();
         if samples > before {
-            work.cost = cost;
+            let paths = u64::from(samples - before) * view.region().area();
+            work.cost = std::mem::take(&mut work.unfinished_seconds) / paths as f64;
             work.preview = None;
         }
         self.share_films();
@@ -639,7 +680,7 @@ struct Header {
 
 impl Header {
     /// The bytes of a frame with these codes.
-    fn before(&self, codes: &[u8]) -> Bytes {
+    fn before(&self, codes: &[u8]) -> Arc<[u8]> {
         let mut bytes = Vec::with_capacity(24 + codes.len());
         bytes.extend([84, self.kind, self.divisor, u8::from(self.is_last)]);
         bytes.extend(self.number.to_le_bytes());

@@ -38,6 +38,7 @@ page_files! {
     "field.js": SCRIPT,
     "gesture.js": SCRIPT,
     "history.js": SCRIPT,
+    "host.js": SCRIPT,
     "icon.svg": PICTURE,
     "inspector.js": SCRIPT,
     "keyboard.js": SCRIPT,

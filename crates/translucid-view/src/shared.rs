@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+#[cfg(not(target_family = "wasm"))]
 use std::time::Duration;
 
-use axum::body::Bytes;
 use glam::Vec3;
 use serde_json::{Value, json};
 use tokio::sync::watch;
@@ -12,10 +12,10 @@ use translucid_image::Denoiser;
 use translucid_render::{LiveFilm, Picker, View};
 use translucid_scene::{Scene, SceneError};
 
-use crate::Settings;
 use crate::json;
 use crate::message::Side;
 use crate::page_state::PageState;
+use crate::settings::Settings;
 use crate::studio::{Studio, Wanted};
 
 /// A picture on its way to the pages.
@@ -23,7 +23,7 @@ use crate::studio::{Studio, Wanted};
 pub(crate) struct Frame {
     pub(crate) number: u32,
     /// Header and codes, as `PROTOCOL.md` says.
-    pub(crate) bytes: Bytes,
+    pub(crate) bytes: Arc<[u8]>,
 }
 
 /// One side as it is rendered now.
@@ -129,6 +129,7 @@ impl Shared {
     }
 
     /// Waits until the studio has another version, at most so long.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn wait(&self, version: u32, longest: Duration) {
         let studio = locked(&self.studio);
         drop(self.changed.wait_timeout_while(studio, longest, |studio| studio.version() == version));

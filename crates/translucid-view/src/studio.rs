@@ -2,12 +2,15 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Map, Value, json};
 use translucid_load::Piece;
-use translucid_scene::{Camera, Environment, Film, Image, Material, Object, Scene, SceneError, Unit};
+use translucid_scene::{
+    Camera, Environment, Film, Image, Integrator, Material, Object, Scene, SceneError, SubsurfaceMethod, Unit,
+};
 
+use crate::clock::Instant;
 use crate::json;
 use crate::look::Look;
 use crate::message::{Edited, Message, Side};
@@ -22,8 +25,8 @@ const MOST_STEPS: usize = 200;
 /// Materials in all these steps together, so that a scene of thousands does not fill the memory.
 const MOST_MATERIALS: usize = 200_000;
 
-/// Most pixels of the film: what a page can show.
-const MOST_PIXELS: u64 = 1 << 24;
+/// Most pixels of the film: what a page can show or, in a browser, what its memory of 4 GiB holds.
+const MOST_PIXELS: u64 = if cfg!(target_family = "wasm") { 1 << 22 } else { 1 << 24 };
 
 /// Most images that pages may bring.
 const MOST_IMAGES: usize = 16;
@@ -238,7 +241,7 @@ impl Studio {
                 let set = piece("integrator", set);
                 self.edit(gesture, |_, look| {
                     look.integrator = set.integrator(look.integrator)?;
-                    Ok(())
+                    check_method(&look.integrator)
                 })?;
             }
             Message::Film { set, gesture } => {
@@ -428,6 +431,15 @@ fn check_size(film: &Film) -> Result<(), SceneError> {
     let (width, height) = (film.width, film.height);
     let message = format!("the film has {width}x{height} pixels, but a page shows at most {MOST_PIXELS}");
     Err(SceneError::new(message).with_help("choose a smaller size"))
+}
+
+/// Points take long to lay, and a worker would hear nothing meanwhile.
+fn check_method(integrator: &Integrator) -> Result<(), SceneError> {
+    if cfg!(target_family = "wasm") && integrator.subsurface_method == SubsurfaceMethod::PointBased {
+        return Err(SceneError::new("subsurface_method is point-based, which a browser is too slow for")
+            .with_help("render the saved scene with translucid render --subsurface-method point-based"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -3,8 +3,7 @@
 use serde_json::{Map, Value, json};
 use translucid_profile::Configuration;
 use translucid_profile::convention::{
-    self, ArgumentNames, Conversion, ConvertedNumber, Parameter, Preset, Role, Setting, System,
-    Unit,
+    self, ArgumentNames, Conversion, ConvertedNumber, Parameter, Preset, Role, Setting, System, Unit,
 };
 
 use crate::options::{Options, numbers, unknown};

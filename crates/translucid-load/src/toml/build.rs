@@ -19,7 +19,7 @@ use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::appearance::warn_of_darkened;
 use crate::extent::warn_of_extent;
-use crate::file::read_file;
+use crate::file::{is_file, read_file};
 use crate::image::read_image;
 use crate::loading::Loading;
 use crate::mesh_file::{MeshFile, scale_lengths};
@@ -136,7 +136,7 @@ fn load_files<K, T>(
 
 /// A missing file is the scene file's mistake, so the message points there.
 pub(super) fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
-    if path.is_file() {
+    if is_file(path) {
         return Ok(());
     }
     let found = if path.is_dir() { "is a folder, not a file" } else { "does not exist" };
@@ -505,7 +505,7 @@ impl SceneBuilder {
         for (index, entry) in entries.iter().enumerate() {
             let GeometryOrigin::File { path, unit } = &entry.geometry else { continue };
             let path = replacement(index).unwrap_or(path);
-            if path.is_file() {
+            if is_file(path) {
                 let loaded = self.loaded(path, *unit, loading)?;
                 let model = &loaded.model;
                 let place = place_of_file(&entry.places[0], model.origin);

@@ -1,13 +1,15 @@
 //! A film that others may read while it is rendered.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use translucid_image::PixelRect;
 
 use super::film::{FilmSums, mean_depth, radiance};
-use crate::world::layer;
+use super::traced_block::TracedBlock;
+use crate::world::{PixelSample, layer};
 
 /// A layer of a picture that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,12 +98,17 @@ impl FilmLayer {
     }
 }
 
+/// Samples of blocks of pixels, by the sample's number and the block's in its grid.
+pub(super) type BlockSamples = HashMap<(u32, usize), Vec<PixelSample>>;
+
 /// Sums over the samples of an image that one rendering adds to and anybody may read.
 ///
 /// The picture is whole at any time: a tile has the same number of samples in all its pixels.
 #[derive(Debug)]
 pub struct LiveFilm {
     sums: RwLock<FilmSums>,
+    /// Blocks that were traced before an interruption, and have a part in tiles that lack others.
+    waiting: Mutex<BlockSamples>,
     /// For each tile the number of the change that was its last.
     changed: RwLock<Vec<u64>>,
     changes: AtomicU64,
@@ -111,7 +118,7 @@ impl LiveFilm {
     /// A film that goes on from these sums.
     pub fn new(sums: FilmSums) -> Self {
         let changed = RwLock::new(vec![0; sums.tiles.len()]);
-        Self { sums: RwLock::new(sums), changed, changes: AtomicU64::new(0) }
+        Self { sums: RwLock::new(sums), waiting: Mutex::default(), changed, changes: AtomicU64::new(0) }
     }
 
     /// The sums; nothing is added while they are held.
@@ -165,6 +172,17 @@ impl LiveFilm {
         let is_later =
             |tile: &usize| changed[*tile] > change || change == 0 && sums.tiles[*tile].samples() > 0;
         (0..sums.tiles.len()).filter(is_later).map(|tile| sums.tile_rect(tile)).collect()
+    }
+
+    /// Gives a block that was traced for this film elsewhere; the next rendering adds it.
+    pub fn give(&self, block: TracedBlock) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        waiting.insert((block.number, block.block), block.samples);
+    }
+
+    /// Blocks that wait for others, until a rendering puts back those that still do.
+    pub(super) fn waiting(&self) -> &Mutex<BlockSamples> {
+        &self.waiting
     }
 
     /// Lets `add` change the sums; it returns for each tile whether it has changed it.

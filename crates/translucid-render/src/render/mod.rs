@@ -17,6 +17,7 @@ mod sample_ranges;
 mod shard;
 mod shard_merge;
 mod tile_grid;
+mod traced_block;
 mod view;
 
 pub use cryptomatte::{MOST_MATTE_SAMPLES, matte_hash, matte_id};
@@ -33,5 +34,6 @@ pub use sample_ranges::SampleRanges;
 pub use shard::{ShardHeader, ShardNotes, ShardReader, ShardRun, is_shard, save_shard};
 pub use shard_merge::{Gap, ShardMerge};
 pub use tile_grid::TILE_SIZE;
+pub use traced_block::TracedBlock;
 pub(crate) use view::FILTER_TABLE;
 pub use view::{Fraction, View};

@@ -10,11 +10,12 @@ use translucid_image::PixelRect;
 
 use super::exact_sums::ExactSums;
 use super::film::FilmSums;
-use super::live_film::LiveFilm;
+use super::live_film::{BlockSamples, LiveFilm};
 use super::pixel_blocks::{BlockGrid, number_in, pixels_of};
 use super::prepared::PreparedScene;
 use super::sample_ranges::SampleRanges;
 use super::tile_grid::TileGrid;
+use super::traced_block::TracedBlock;
 use super::view::View;
 use crate::path::PathTracer;
 use crate::sampling::Sampler;
@@ -56,9 +57,10 @@ impl PreparedScene {
     /// Adds samples of a view to the film until the goal is reached, on the current rayon pool.
     ///
     /// The film has the size of the view's region, and can be read meanwhile. An interrupted rendering leaves all samples
-    /// in it that were done. One that goes on from there gives the same bits as one that was not interrupted: the sums are
-    /// exact, and the samples' numbers alone decide which pixels share light. So nothing depends on the number of threads,
-    /// on where the work was interrupted, or on which part of it was done elsewhere.
+    /// in it that were done; a film is of one scene and one view, so the next rendering may use them. One that goes on from
+    /// there gives the same bits as one that was not interrupted: the sums are exact, and the samples' numbers alone decide
+    /// which pixels share light. So nothing depends on the number of threads, on where the work was interrupted, or on which
+    /// part of it was done elsewhere.
     ///
     /// `stop` ends the work within the time of a path.
     pub fn render(
@@ -75,12 +77,13 @@ impl PreparedScene {
         };
         let rendering = Rendering::new(self, (view, goal), (tiles, &taken), progress, stop);
         while let Some(batch) = rendering.next_batch(&taken) {
-            let traced = rendering.trace(&batch, &taken);
+            let traced = rendering.trace(&batch, &taken, film.waiting());
             film.change(|sums| {
-                batch.add_to(sums, view.region(), traced);
+                batch.add_to(sums, view.region(), &traced);
                 let before = std::mem::replace(&mut taken, self::taken(sums));
                 taken.iter().zip(before).map(|(now, before)| *now != before).collect()
             });
+            rendering.keep(&batch, traced, &taken, film.waiting());
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Interrupted;
             }
@@ -89,6 +92,26 @@ impl PreparedScene {
             }
         }
         Outcome::Finished
+    }
+
+    /// Traces some of the blocks of a sample of a view, in their order, for a film that is [given](LiveFilm::give) them.
+    pub fn trace_blocks(&self, view: &View, number: u32, range: Range<usize>) -> Vec<TracedBlock> {
+        let grid = BlockGrid::new(view.whole_size(), number);
+        let mut tracer = self.tracer(view.pixel_width());
+        let stop = AtomicBool::new(false);
+        let blocks = grid.blocks_in(view.region()).skip(range.start).take(range.len());
+        let trace = |block| {
+            let samples = trace_block(self, view, &stop, &mut tracer, (grid.rect(block), number))?;
+            Some(TracedBlock { number, block, samples })
+        };
+        blocks.filter_map(trace).collect()
+    }
+}
+
+impl View {
+    /// Number of blocks that a sample of this view has.
+    pub fn block_count(&self, number: u32) -> usize {
+        BlockGrid::new(self.whole_size(), number).blocks_in(self.region()).count()
     }
 }
 
@@ -155,10 +178,44 @@ impl<'a> Rendering<'a> {
         Some(Batch::new(self.view, next..next.saturating_add(count).min(end)))
     }
 
-    /// Traces the blocks of a batch; `None` for those that all tiles have, or that come too late.
-    fn trace(&self, batch: &Batch, taken: &[SampleRanges]) -> Vec<Option<Vec<PixelSample>>> {
-        let trace = |block: &BlockSample| self.trace_if_lacking(block, batch.rect(block), taken);
+    /// Traces the blocks of a batch that do not wait already; `None` for those that all tiles have, or that come too late.
+    fn trace(
+        &self,
+        batch: &Batch,
+        taken: &[SampleRanges],
+        waiting: &Mutex<BlockSamples>,
+    ) -> Vec<Option<Vec<PixelSample>>> {
+        let trace = |block: &BlockSample| {
+            let traced =
+                waiting.lock().unwrap_or_else(PoisonError::into_inner).remove(&(block.number, block.block));
+            traced.or_else(|| self.trace_if_lacking(block, batch.rect(block), taken))
+        };
         batch.blocks.par_iter().map(trace).collect()
+    }
+
+    /// Keeps traced blocks of which tiles lack others, and none that they do not lack.
+    fn keep(
+        &self,
+        batch: &Batch,
+        traced: Vec<Option<Vec<PixelSample>>>,
+        taken: &[SampleRanges],
+        waiting: &Mutex<BlockSamples>,
+    ) {
+        let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let traced = batch.blocks.iter().zip(traced);
+        waiting.extend(traced.filter_map(|(block, samples)| Some(((block.number, block.block), samples?))));
+        waiting.retain(|&(number, block), _| {
+            let rect = BlockGrid::new(self.view.whole_size(), number).rect(block);
+            self.is_lacking(number, rect, taken)
+        });
+    }
+
+    /// Whether a block has a part in a tile that lacks its sample.
+    fn is_lacking(&self, number: u32, rect: PixelRect, taken: &[SampleRanges]) -> bool {
+        let region = self.view.region();
+        rect.intersection(&region).is_some_and(|wanted| {
+            self.tiles.touching(within(wanted, region)).any(|tile| !taken[tile].contains(number))
+        })
     }
 
     fn trace_if_lacking(
@@ -167,51 +224,48 @@ impl<'a> Rendering<'a> {
         rect: PixelRect,
         taken: &[SampleRanges],
     ) -> Option<Vec<PixelSample>> {
-        let region = self.view.region();
-        let wanted = rect.intersection(&region)?;
-        let mut touched = self.tiles.touching(within(wanted, region));
-        let is_taken = touched.all(|tile| taken[tile].contains(block.number));
-        if is_taken || self.stop.load(Ordering::Relaxed) || self.is_late() {
+        if self.stop.load(Ordering::Relaxed) || self.is_late() || !self.is_lacking(block.number, rect, taken)
+        {
             return None;
         }
         let tracer = self.tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut tracer = tracer.unwrap_or_else(|| self.prepared.tracer(self.view.pixel_width()));
-        let samples = self.trace_block(&mut tracer, rect, block.number);
+        let samples = trace_block(self.prepared, self.view, self.stop, &mut tracer, (rect, block.number));
         self.tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
-        let added = wanted.area();
+        let added = rect.intersection(&self.view.region()).map_or(0, |wanted| wanted.area());
         let samples_done = (self.done.fetch_add(added, Ordering::Relaxed) + added).min(self.total);
         (self.progress)(SampleProgress { samples_done, samples_total: self.total });
         samples
     }
+}
 
-    /// Traces sample `number` of every pixel of a block; `None` when stopped.
-    fn trace_block(
-        &self,
-        tracer: &mut PathTracer<'_>,
-        rect: PixelRect,
-        number: u32,
-    ) -> Option<Vec<PixelSample>> {
-        let Self { prepared, view, stop, .. } = *self;
-        let shares = prepared.world.scene.integrator.subsurface_sharing;
-        let mut samples = Vec::with_capacity(rect.area() as usize);
-        for (x, y) in pixels_of(rect) {
-            if stop.load(Ordering::Relaxed) {
-                tracer.drop_block();
-                return None;
-            }
-            let mut sampler = Sampler::new(view.seed(), x, y, number);
-            let ray = view.ray(x, y, sampler.next_4d());
-            samples.push(if shares {
-                let at = [x - rect.left, y - rect.top];
-                let place = BlockPlace { number: samples.len(), at, size: [rect.width, rect.height] };
-                tracer.trace_in_block(ray, &mut sampler, place)
-            } else {
-                tracer.trace(ray, &mut sampler)
-            });
+/// Traces sample `number` of every pixel of a block; `None` when stopped.
+fn trace_block(
+    prepared: &PreparedScene,
+    view: &View,
+    stop: &AtomicBool,
+    tracer: &mut PathTracer<'_>,
+    (rect, number): (PixelRect, u32),
+) -> Option<Vec<PixelSample>> {
+    let shares = prepared.world.scene.integrator.subsurface_sharing;
+    let mut samples = Vec::with_capacity(rect.area() as usize);
+    for (x, y) in pixels_of(rect) {
+        if stop.load(Ordering::Relaxed) {
+            tracer.drop_block();
+            return None;
         }
-        tracer.finish_block(&mut samples, stop);
-        (!stop.load(Ordering::Relaxed)).then_some(samples)
+        let mut sampler = Sampler::new(view.seed(), x, y, number);
+        let ray = view.ray(x, y, sampler.next_4d());
+        samples.push(if shares {
+            let at = [x - rect.left, y - rect.top];
+            let place = BlockPlace { number: samples.len(), at, size: [rect.width, rect.height] };
+            tracer.trace_in_block(ray, &mut sampler, place)
+        } else {
+            tracer.trace(ray, &mut sampler)
+        });
     }
+    tracer.finish_block(&mut samples, stop);
+    (!stop.load(Ordering::Relaxed)).then_some(samples)
 }
 
 /// Samples that wait for each other: their numbers, and the blocks of pixels of each number.
@@ -252,13 +306,12 @@ impl Batch {
     }
 
     /// Adds the traced blocks to the film of a region, number by number.
-    fn add_to(&self, film: &mut FilmSums, region: PixelRect, traced: Vec<Option<Vec<PixelSample>>>) {
+    fn add_to(&self, film: &mut FilmSums, region: PixelRect, traced: &[Option<Vec<PixelSample>>]) {
         let mut blocks = self.blocks.iter().zip(traced).peekable();
         for (place, (number, grid)) in self.numbers.clone().zip(&self.grids).enumerate() {
-            let mut of_number: Vec<Option<Vec<PixelSample>>> = Vec::new();
-            of_number.resize_with(grid.len(), || None);
+            let mut of_number: Vec<Option<&[PixelSample]>> = vec![None; grid.len()];
             while let Some((block, samples)) = blocks.next_if(|(block, _)| block.place == place) {
-                of_number[block.block] = samples;
+                of_number[block.block] = samples.as_deref();
             }
             add_samples(film, number, region, grid, &of_number);
         }
@@ -281,7 +334,7 @@ fn add_samples(
     number: u32,
     region: PixelRect,
     grid: &BlockGrid,
-    blocks: &[Option<Vec<PixelSample>>],
+    blocks: &[Option<&[PixelSample]>],
 ) {
     let rects: Vec<PixelRect> = (0..film.tiles.len()).map(|index| film.tile_rect(index)).collect();
     film.tiles.par_iter_mut().zip(rects).for_each(|(tile, rect)| {
@@ -293,7 +346,7 @@ fn add_samples(
         }
         for (pixel, (x, y)) in rect.pixels().enumerate() {
             let block = grid.block_of(x, y);
-            if let Some(samples) = &blocks[block] {
+            if let Some(samples) = blocks[block] {
                 add(&mut tile.sums, pixel, &samples[number_in(grid.rect(block), x, y)]);
             }
         }

@@ -1,5 +1,6 @@
 //! The light and the first surface of one camera path, by layers.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Indices of the layers within a pixel's sums.
@@ -30,7 +31,8 @@ pub mod layer {
 }
 
 /// The light and the features that one camera path brings; the beauty image is the sum of the four light layers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PixelSample {
     /// See [`layer::DIFFUSE`].
     pub diffuse: Vec3,

@@ -23,11 +23,11 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-profile", 8260),
     ("translucid-python", 5180),
     ("translucid-reference", 10560),
-    ("translucid-render", 17650),
+    ("translucid-render", 17740),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2140),
     ("translucid-testing", 200),
-    ("translucid-view", 2650),
+    ("translucid-view", 3140),
     ("translucid-wasm", 640),
 ];
 

@@ -1,16 +1,12 @@
 //! Files that a page takes away: the scene, the picture.
 
-use std::io::{self, Cursor};
-
 use axum::extract::{Query, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
-use translucid_image::DisplayTransform;
-use translucid_render::{FilmSums, ImageInfo};
-use translucid_scene::Film;
 
 use super::{Context, refusal};
+use crate::files::{PictureFormat, encode_picture};
 use crate::message::Side;
 
 #[derive(Deserialize)]
@@ -32,50 +28,25 @@ pub(super) async fn scene(State(context): State<Context>) -> Response {
 
 /// The picture with its layers.
 pub(super) async fn exr(context: State<Context>, query: Query<SideQuery>) -> Response {
-    picture(context, query, "exr", |film, info, _| {
-        let mut bytes = Cursor::new(Vec::new());
-        film.layers_picture(info).write_exr(&mut bytes)?;
-        Ok(bytes.into_inner())
-    })
-    .await
+    picture(context, query, PictureFormat::Exr).await
 }
 
 /// The picture as a display shows it.
 pub(super) async fn png(context: State<Context>, query: Query<SideQuery>) -> Response {
-    picture(context, query, "png", |film, info, settings| {
-        let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
-        let mut bytes = Vec::new();
-        film.display_picture(info).write_png(&mut bytes, display)?;
-        Ok(bytes)
-    })
-    .await
+    picture(context, query, PictureFormat::Png).await
 }
 
 async fn picture(
     State(context): State<Context>,
     Query(SideQuery { side }): Query<SideQuery>,
-    extension: &'static str,
-    encode: impl FnOnce(&FilmSums, &ImageInfo, &Film) -> io::Result<Vec<u8>> + Send + 'static,
+    format: PictureFormat,
 ) -> Response {
     let Some(shared) = context.scene().await else { return StatusCode::SERVICE_UNAVAILABLE.into_response() };
     let Some(film) = shared.side(side).filter(|side| side.film.samples() > 0) else {
         return (StatusCode::NOT_FOUND, "there is no picture yet").into_response();
     };
-    let name = format!("{}.{extension}", shared.settings.stem());
-    let encoded = tokio::task::spawn_blocking(move || {
-        // A copy, so that the rendering need not wait
-        let sums = film.film.sums().clone();
-        let info = ImageInfo {
-            scene: shared.settings.name.clone(),
-            seed: film.view.seed(),
-            samples: sums.samples(),
-            seconds: film.seconds,
-            command: shared.settings.command.clone(),
-            place: None,
-            denoised: None,
-        };
-        encode(&sums, &info, &shared.studio(|studio| *studio.film()))
-    });
+    let name = shared.settings.picture_file(format.extension());
+    let encoded = tokio::task::spawn_blocking(move || encode_picture(&shared, &film, format));
     match encoded.await {
         Ok(Ok(bytes)) => attachment(&name, "application/octet-stream", bytes),
         _ => StatusCode::INTERNAL_SERVER_ERROR.into_response(),

@@ -16,19 +16,17 @@ use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{any, get, post};
 use serde::Deserialize;
-use serde_json::json;
 use tokio::sync::{Semaphore, watch};
-use translucid_load::decode_image;
-use translucid_scene::{ColorSpace, Place, SceneError};
+use translucid_scene::SceneError;
 
+use crate::conversation;
+use crate::files::bring_environment;
 use crate::page::PAGE_FILES;
 use crate::shared::Shared;
 use guard::Guard;
 
 /// Most bytes of an image that a page sends.
 const MOST_UPLOADED: usize = 128 << 20;
-/// Most characters of its name.
-const LONGEST_NAME: usize = 100;
 /// Most pages that are connected at a time.
 const MOST_PAGES: usize = 16;
 
@@ -128,8 +126,7 @@ fn page_file(path: &str) -> Response {
 
 /// An answer in words that the page shows.
 fn refusal(status: StatusCode, error: &SceneError) -> Response {
-    let place = error.place.as_ref().map_or_else(String::new, |place| format!("{place}: "));
-    let body = json!({ "message": format!("{place}{}", error.message), "help": error.help });
+    let body = conversation::refusal(error);
     (status, [(header::CONTENT_TYPE, "application/json")], body.to_string()).into_response()
 }
 
@@ -149,37 +146,10 @@ async fn environment(
     let Ok(_turn) = context.uploads.acquire().await else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
-    let name = file_name(&query.name);
-    let decoded = tokio::task::spawn_blocking(move || {
-        let place = Place::part(std::path::Path::new(""), &name);
-        let image = decode_image(&place, &bytes, ColorSpace::Srgb, &mut Vec::new())?;
-        let image = translucid_scene::Image { name, ..image };
-        shared.change(|studio| studio.add_environment(image))
-    });
-    match decoded.await {
-        Ok(Ok(_)) => ([(header::CONTENT_TYPE, "application/json")], r#"{"ok":true}"#).into_response(),
+    let brought = tokio::task::spawn_blocking(move || bring_environment(&shared, &query.name, &bytes));
+    match brought.await {
+        Ok(Ok(())) => ([(header::CONTENT_TYPE, "application/json")], r#"{"ok":true}"#).into_response(),
         Ok(Err(error)) => refusal(StatusCode::UNPROCESSABLE_ENTITY, &error),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
-    }
-}
-
-/// A file's name without a folder, for people and for the scene that names it: nothing is ever opened by it.
-fn file_name(name: &str) -> String {
-    let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
-    let name: String = last.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
-    if name.is_empty() { "environment".to_owned() } else { name }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn file_names_have_no_folder() {
-        assert_eq!(file_name("../../etc/passwd"), "passwd");
-        assert_eq!(file_name("C:\\sky.hdr"), "sky.hdr");
-        assert_eq!(file_name("a\n\0b.hdr"), "ab.hdr");
-        assert_eq!(file_name("/"), "environment");
-        assert_eq!(file_name(&"x".repeat(1000)).len(), LONGEST_NAME);
     }
 }

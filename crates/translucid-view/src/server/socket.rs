@@ -7,20 +7,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{Message as Packet, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use glam::{Vec2, Vec3};
-use serde_json::{Value, json};
 use tokio::sync::{Semaphore, mpsc, watch};
-use translucid_scene::{Camera, Material, Projection, SceneError};
 
 use super::Context;
-use crate::message::{Message, Numbered};
+use crate::conversation::{Heard, Question, hear};
 use crate::page_state::PageState;
 use crate::shared::{Frame, Shared};
-use crate::{numbers, profile_panel};
 
 /// Most bytes of a message.
 const LONGEST_MESSAGE: usize = 64 << 10;
@@ -132,7 +129,7 @@ impl Conversation {
             if let Some(frame) = frame {
                 self.tell().await?;
                 self.on_their_way[kind] = Some(frame.number);
-                self.socket.send(Packet::Binary(frame.bytes)).await.map_err(|_| Gone)?;
+                self.socket.send(Packet::Binary(Bytes::from_owner(frame.bytes))).await.map_err(|_| Gone)?;
             }
         }
     }
@@ -157,106 +154,41 @@ impl Conversation {
         if let Some(pause) = self.allowance.take() {
             tokio::time::sleep(pause).await;
         }
-        let Numbered { id, message } = Numbered::parse(text);
-        let message = match message {
-            Ok(message) => message,
-            Err(words) => return self.send(error(id, &SceneError::new(words))).await,
-        };
-        match message {
-            Message::Painted { frame } => {
+        match hear(&self.shared, text) {
+            Heard::Answer(answer) => self.send(answer).await,
+            Heard::Question(question) => {
+                self.ask(question);
+                Ok(())
+            }
+            Heard::Painted(frame) => {
                 for number in &mut self.on_their_way {
                     number.take_if(|number| *number == frame);
                 }
                 Ok(())
             }
-            Message::Pick { x, y } => {
-                let answer = self.shared.picked(id, [x, y]).to_string();
-                self.send(answer).await
-            }
-            Message::Profile { index } => self.ask(0, id, index),
-            Message::Numbers { index } => self.ask(1, id, index),
-            message => {
-                let changed = self.shared.change(|studio| {
-                    if let Message::Frame {} = message {
-                        let camera = framed(studio.camera(), studio.film(), self.shared.bounds);
-                        studio.set_camera(camera);
-                        return Ok(());
-                    }
-                    studio.apply(message)
-                });
-                let answer = match changed {
-                    Ok(version) => json!({ "type": "applied", "id": id, "version": version }).to_string(),
-                    Err(refused) => error(id, &refused),
-                };
-                self.send(answer).await
-            }
         }
     }
 
-    /// Computes something about a material in the background.
-    fn ask(&self, what: usize, id: Option<u32>, index: usize) -> Result<(), Gone> {
+    /// Computes an answer in the background.
+    fn ask(&self, question: Question) {
         let shared = Arc::clone(&self.shared);
-        let (turn, newest, answers) =
-            (Arc::clone(&self.turn), Arc::clone(&self.newest[what]), self.answers.0.clone());
+        let (turn, newest, answers) = (
+            Arc::clone(&self.turn),
+            Arc::clone(&self.newest[question.topic as usize]),
+            self.answers.0.clone(),
+        );
         let number = newest.fetch_add(1, Ordering::Relaxed) + 1;
         tokio::spawn(async move {
             let Ok(_turn) = turn.acquire().await else { return };
             if newest.load(Ordering::Relaxed) != number {
                 return;
             }
-            let answer = tokio::task::spawn_blocking(move || about_material(&shared, what, id, index)).await;
+            let id = question.id();
+            let answer = tokio::task::spawn_blocking(move || question.answer(&shared)).await;
             // A page that does not read its answers gets no more of them
-            let _ = answers
-                .try_send(answer.unwrap_or_else(|_| error(id, &SceneError::new("this failed: a defect"))));
+            let _ = answers.try_send(answer.unwrap_or_else(|_| Question::failed(id)));
         });
-        Ok(())
     }
-}
-
-fn about_material(shared: &Shared, what: usize, id: Option<u32>, index: usize) -> String {
-    let material = shared.studio(|studio| {
-        let look = studio.active_look();
-        let material = look.materials.get(index)?;
-        Some(Material { subsurface_model: material.model(&look.integrator), ..material.clone() })
-    });
-    let Some(material) = material else {
-        return error(id, &SceneError::new(format!("material {index} is not there")));
-    };
-    let unit = shared.origin.unit;
-    let mut answer = match what {
-        0 => profile_panel::profile(&material, &shared.origin.profile_tables, unit),
-        _ => numbers::numbers(&material, unit),
-    };
-    answer["id"] = json!(id);
-    answer["index"] = json!(index);
-    answer.to_string()
-}
-
-fn error(id: Option<u32>, error: &SceneError) -> String {
-    let place = error.place.as_ref().map_or_else(String::new, |place| format!("{place}: "));
-    let answer: Value = json!({ "type": "error", "id": id, "message": format!("{place}{}", error.message), "help": error.help });
-    answer.to_string()
-}
-
-/// The camera moved along its direction, or its picture widened, until a sphere is in the middle of the picture.
-fn framed(camera: &Camera, film: &translucid_scene::Film, (center, radius): (Vec3, f32)) -> Camera {
-    let backward = (camera.position - camera.target).as_dvec3().normalize_or(glam::DVec3::Z);
-    let aspect = f64::from(film.width) / f64::from(film.height);
-    let reach = 1.05 * f64::from(radius).max(1e-6);
-    let (distance, projection) = match camera.projection {
-        Projection::Perspective { .. } => {
-            let across = camera.projection.width_at(0.5);
-            (reach / across.min(across / aspect).atan().sin(), camera.projection)
-        }
-        Projection::Orthographic { .. } => {
-            let width = (2.0 * reach * aspect.max(1.0)) as f32;
-            (2.0 * reach, Projection::Orthographic { width })
-        }
-    };
-    let position = (center.as_dvec3() + backward * distance).as_vec3();
-    let (target, focus_distance, shift) = (center, distance as f32, Vec2::ZERO);
-    let moved = Camera { position, target, projection, shift, focus_distance, ..*camera };
-    if moved.validate().is_ok() { moved } else { *camera }
 }
 
 /// Messages that may still be read.
@@ -277,31 +209,7 @@ impl Allowance {
 
 #[cfg(test)]
 mod tests {
-    use translucid_scene::Film;
-
     use super::*;
-
-    #[test]
-    fn framed_camera_keeps_its_direction_and_sees_the_sphere() {
-        let camera = Camera { position: Vec3::new(3.0, 4.0, 5.0), target: Vec3::ONE, ..Camera::default() };
-        let sphere = (Vec3::new(-2.0, 0.0, 7.0), 3.0);
-        let film = Film { width: 100, height: 300, ..Film::default() };
-        let moved = framed(&camera, &film, sphere);
-        let direction = |camera: &Camera| (camera.target - camera.position).normalize();
-        assert!(direction(&moved).distance(direction(&camera)) < 1e-5 && moved.target == sphere.0);
-        // Seen under less than the field of view, which is the narrower here
-        let half_angle = f64::from(sphere.1 / moved.position.distance(sphere.0)).asin();
-        let half_fov = camera.projection.width_at(0.5).atan();
-        assert!(half_angle < half_fov && half_angle > 0.9 * half_fov);
-
-        let parallel = Camera { projection: Projection::Orthographic { width: 1.0 }, ..camera };
-        for (film, least) in [(film, 6.0), (Film { width: 300, height: 100, ..film }, 18.0)] {
-            let moved = framed(&parallel, &film, sphere);
-            let width = moved.projection.width_at(0.0);
-            assert!(width > least && width < 1.1 * least, "{width}");
-            assert!(moved.position.distance(sphere.0) > sphere.1);
-        }
-    }
 
     #[test]
     fn allowance_slows_down_those_who_say_too_much() {

@@ -106,6 +106,7 @@ impl<B: Block> Lines<B> {
     }
 
     /// Address of a word, which need not be there.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(super) fn address(&self, word: u32) -> *const i8 {
         self.0.as_ptr().cast::<u64>().wrapping_add(word as usize).cast()

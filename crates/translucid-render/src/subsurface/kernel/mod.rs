@@ -18,6 +18,7 @@
 mod cut;
 mod direction;
 mod half_space;
+#[cfg_attr(target_family = "wasm", path = "no_layers.rs")]
 mod layers;
 mod recipe;
 
