@@ -12,7 +12,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-capi", 1800),
     ("translucid-cli", 9530),
     ("translucid-display", 100),
-    ("translucid-export", 2720),
+    ("translucid-export", 2750),
     ("translucid-files", 200),
     ("translucid-fit", 1200),
     ("translucid-gpu", 600),
