@@ -11,6 +11,7 @@
 mod camera;
 mod images;
 mod lights;
+mod limits;
 mod materials;
 mod scene;
 mod tables;
@@ -18,7 +19,8 @@ mod triangles;
 
 pub use camera::DeviceCamera;
 pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};
-pub use scene::{DeviceLimits, DeviceScene, Header};
+pub use limits::DeviceLimits;
+pub use scene::{DeviceScene, Header};
 pub use tables::material_tables;
 
 use std::sync::Arc;

@@ -6,6 +6,7 @@ use translucid_scene::{SceneError, SubsurfaceMethod};
 
 use super::images;
 use super::lights::lights;
+use super::limits::DeviceLimits;
 use super::materials::{Materials, TEXTURE_WORDS};
 use super::tables::material_tables;
 use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
@@ -15,24 +16,6 @@ use crate::render::{FILTER_TABLE, PreparedScene, View};
 const SAMPLE_BITS: u32 = 16;
 /// Greatest whole number up to which floating-point numbers hold all of them.
 const MOST_NUMBERS: u64 = 1 << 24;
-
-/// The limits of a device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DeviceLimits {
-    /// Most bytes of an array.
-    pub array_bytes: u64,
-}
-
-impl DeviceLimits {
-    /// Refuses more of something than an array holds.
-    pub(super) fn check(&self, what: &str, count: u64, bytes: u64) -> Result<(), SceneError> {
-        let most = self.array_bytes / bytes.max(1);
-        if count <= most {
-            return Ok(());
-        }
-        Err(SceneError::new(format!("the scene has {count} {what} but the device holds at most {most}")))
-    }
-}
 
 /// Places in [`DeviceScene::tables`], and numbers that all paths need: the first words of the tables, in this order.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use translucid_scene::{Object, Scene, SceneError};
 
-use super::scene::DeviceLimits;
+use super::limits::DeviceLimits;
 use crate::ray::BinaryBuilder;
 
 /// Words of a node: lowest corner, number of triangles (0: an inner node), highest corner, first child or triangle.
