@@ -115,7 +115,7 @@ mod tests {
     use crate::settings::Settings;
     use crate::shared::Shared;
 
-    const BALL: &str = "film.size = [70, 50]\nintegrator.samples_per_pixel = 6\nenvironment.radiance = 1\n\
+    const BALL: &str = "unit = 'cm'\nfilm.size = [70, 50]\nintegrator.samples_per_pixel = 6\nenvironment.radiance = 1\n\
         [[object]]\nname = 'ball'\nshape = 'sphere'\nradius = 1\nmaterial = 'wax'\n\
         [[material]]\nname = 'wax'\nsubsurface_weight = 1\nsubsurface_color = 0.8\nsubsurface_radius = 0.1\n\
         subsurface_model = 'random-walk'\n";
