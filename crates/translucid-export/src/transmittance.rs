@@ -108,7 +108,7 @@ impl Slabs {
             let layer = layer.with_g(self.g).with_eta(self.eta);
             let layers = Layers::new(1.0, vec![layer], Ground::AIR).map_err(|error| error.error)?;
             let totals = layers.totals(self.incidence)?;
-            *t = (totals.collimated_transmittance + totals.diffuse_transmittance).max(0.0).min(1.0);
+            *t = (totals.collimated_transmittance + totals.diffuse_transmittance).clamp(0.0, 1.0);
         }
         Ok(found)
     }

@@ -138,7 +138,7 @@ impl ScatteringWall {
         let passed: f64 = color.iter().zip(&below).map(|(c, [_, t])| c * t).sum();
         let share = if weight > 0.0 { passed / weight } else { 0.5 };
         // (−1, 1) is open
-        Self { color, anisotropy: (2.0 * share - 1.0).max(-0.9999).min(0.9999) }
+        Self { color, anisotropy: (2.0 * share - 1.0).clamp(-0.9999, 0.9999) }
     }
 
     /// The light that it scatters.
