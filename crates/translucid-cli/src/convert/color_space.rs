@@ -20,6 +20,9 @@ pub(super) struct ColorSpaceArguments {
     from_color_space: String,
 }
 
+/// A share of a channel's light.
+type Share = fn(&MixedChannel) -> f64;
+
 impl ColorSpaceArguments {
     /// The matrix from the material's channels to the printed ones, if they are others.
     pub(super) fn matrix(&self) -> Result<Option<[[f64; 3]; 3]>, Failure> {
@@ -61,7 +64,7 @@ impl ColorSpaceArguments {
                 Cell::from(source),
             ]
         };
-        let shares: [(&str, fn(&MixedChannel) -> f64); 3] = [
+        let shares: [(&str, Share); 3] = [
             ("misplaced", |mixed| mixed.misplaced),
             ("misplaced if lengths were kept", |mixed| mixed.misplaced_if_kept),
             ("misplaced if lengths were colors", |mixed| mixed.misplaced_if_color),

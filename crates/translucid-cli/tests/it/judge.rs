@@ -207,7 +207,7 @@ fn what_cannot_be_judged_is_refused() {
             ["near.exr", "light falls to a quarter at"],
         ),
         (
-            format!("edge.exr --setup edge --pixel 5 --surface-albedo 0.8 --mfp 1"),
+            "edge.exr --setup edge --pixel 5 --surface-albedo 0.8 --mfp 1".to_owned(),
             ["edge.exr", "a pixel is 5"],
         ),
         (format!("text.exr --setup edge {good}"), ["text.exr", "OpenEXR"]),
