@@ -72,7 +72,7 @@ fn devices_walk_continue_and_keep_to_themselves() {
 }
 
 /// A ball under an even sky.
-const BALL: &str = "[[material]]\nname = \"m\"\nsubsurface_weight = 1.0\n[[object]]\nshape = \"sphere\"\nmaterial = \"m\"\n\
+const BALL: &str = "unit = \"mm\"\n[[material]]\nname = \"m\"\nsubsurface_weight = 1.0\n[[object]]\nshape = \"sphere\"\nmaterial = \"m\"\n\
                     [environment]\nradiance = 1\n";
 const RENDER: &str = "render ball.toml --size 16x12 --spp 4 -o ball.exr";
 
