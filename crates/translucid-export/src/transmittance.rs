@@ -29,6 +29,7 @@ pub(crate) struct TransmittanceTable {
     pub(crate) values: Vec<[f64; 3]>,
     /// Greatest error of values that are interpolated, in √thickness.
     error: f64,
+    configuration: Configuration,
 }
 
 /// Slabs of a material.
@@ -64,7 +65,7 @@ impl TransmittanceTable {
             let found = |c: usize| 0.5 * (values[column][c] + values[column + 1][c]);
             error = (0..3).map(|c| (found(c) - exact[c]).abs()).fold(error, f64::max);
         }
-        Ok(Self { most_thickness, values, error })
+        Ok(Self { most_thickness, values, error, configuration })
     }
 
     pub(crate) fn text(&self, language: Language) -> String {
@@ -74,9 +75,14 @@ impl TransmittanceTable {
             "// Transmittance of a slab of the material for red, green, blue: the share of the light that arrives on one side that
 // leaves on the other, scattered or not. Column i is the thickness {most} (i/{last})^2: interpolate between the columns
 // around x = {last} sqrt(min(thickness/{most}, 1)), which is right to {:.1e}.
-// Light that arrives behind with the irradiance E leaves in front with the radiance E T/pi.
+// Light that arrives behind with the irradiance E leaves in front with the radiance E T/pi. It arrives {}, and so does that
+// of which a half space of the medium reflects the surface albedo; the mean free path is 1/sigma_t.
 ",
-            self.error.max(1e-6)
+            self.error.max(1e-6),
+            match self.configuration {
+                Configuration::Diffuse => "from all directions",
+                Configuration::Searchlight => "along the normal",
+            }
         );
         comment + &language.table("TRANSMITTANCE", &self.values)
     }

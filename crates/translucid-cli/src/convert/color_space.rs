@@ -35,6 +35,10 @@ impl ColorSpaceArguments {
                     .with_help("lengths are no codes: decode a curve before, as that of sRGB"));
             }
         }
+        if *to == self.from_color_space {
+            // The product of a matrix and its inverse is not quite this
+            return Ok(Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+        }
         Ok(rgb_from_rgb(&self.from_color_space, to))
     }
 

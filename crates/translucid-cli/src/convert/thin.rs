@@ -10,6 +10,7 @@ use translucid_profile::convention::Channel;
 
 use super::output::Row;
 use crate::failure::Failure;
+use crate::messages;
 
 /// The slab.
 #[derive(Args, Debug)]
@@ -51,6 +52,11 @@ impl ThinArguments {
             })
             .collect();
         let slabs = SlabLight::of_slab(&channels, thickness, g, eta).map_err(|error| in_options(&error))?;
+        if g != 0.0 {
+            messages::print_note(
+                "lengths are converted as transport mean free paths: that of the slab, 1/\u{3c3}_t, is 1 \u{2212} \u{3b1} g times as long",
+            );
+        }
         let column = |of: &dyn Fn(&SlabLight) -> f64| slabs.iter().map(of).collect::<Vec<f64>>();
         let exact = "exact: translucid-reference, layers";
         let mut rows = Vec::new();

@@ -40,6 +40,9 @@ fn load(path: &Path) -> Result<Photo, Failure> {
     Ok(Photo::from_fn(width, height, |x, y| [0, 1, 2].map(|c| planes[c][y * width + x])))
 }
 
+/// Sine of an edge's angle to rows or columns up to which it counts as along them.
+const LEAST_SLOPE: f64 = 2e-3;
+
 /// Where the lit shape is.
 enum Location {
     Edge(EdgeLine),
@@ -54,13 +57,13 @@ enum Location {
 impl Location {
     fn find(photo: &Photo, setup: Setup) -> Result<Self, String> {
         match setup {
-            Setup::Edge => EdgeLine::find(photo).map(Self::Edge).map_err(|fault| match fault {
+            Setup::Edge => EdgeLine::find(photo).map_err(|fault| match fault {
                 NoEdge::TooSmall => String::from(TOO_SMALL),
                 NoEdge::NoContrast(contrast) => {
                     format!("no edge of light: its brightest tenth is {contrast:.2} times its darkest, and must be 1.5 times")
                 }
                 NoEdge::NotStraight(_) => String::from("no straight edge of light from side to side"),
-            }),
+            }).and_then(Self::edge),
             Setup::Disk { .. } => SpotPlace::find(photo).map(Self::Disk).map_err(|fault| match fault {
                 NoSpot::TooSmall => String::from(TOO_SMALL),
                 NoSpot::NoContrast(contrast) => {
@@ -73,6 +76,18 @@ impl Location {
             }),
             Setup::Line { .. } => Self::line(photo),
         }
+    }
+
+    /// An edge that runs along rows or columns: any other is located too coarsely to judge a width.
+    fn edge(line: EdgeLine) -> Result<Self, String> {
+        let slope = line.across[0].abs().min(line.across[1].abs());
+        if slope > LEAST_SLOPE {
+            let degrees = slope.asin().to_degrees();
+            return Err(format!(
+                "the edge of light is turned by {degrees:.1} degrees, but must run along rows or columns, between two pixels"
+            ));
+        }
+        Ok(Self::Edge(line))
     }
 
     /// The brightest band along columns or rows.

@@ -14,6 +14,10 @@ use super::{Channel, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Parameterization, scaling};
 
+/// Differences of surface albedos that come from the rounding of sums, and of digits that were printed.
+const EXACT: f64 = 1e-12;
+const PRINTED: f64 = 1e-6;
+
 /// Points of the integral over the radius.
 const POINTS: usize = 1000;
 /// Widths that are tried, and steps that narrow the best one down.
@@ -48,9 +52,13 @@ impl MixedChannel {
         };
         let mut albedos = [0.0; 3];
         for (row, albedo) in albedos.iter_mut().enumerate() {
-            // White is white but for rounding
+            // White is white, and black black, but for the rounding of a matrix and of printed digits
             let found = sum(row, &|channel| channel.albedo().of_channel());
-            let rounded = if (found - 1.0).abs() < 1e-12 { 1.0 } else { found };
+            let rounded = match found {
+                _ if (-PRINTED..EXACT).contains(&found) => 0.0,
+                _ if (1.0 - EXACT..1.0 + PRINTED).contains(&found) => 1.0,
+                _ => found,
+            };
             *albedo = require((0.0..=1.0).contains(&rounded), "surface_albedo", rounded, "in [0, 1]")?;
         }
         let greatest = albedos.into_iter().fold(0.0, f64::max);
