@@ -45,10 +45,12 @@ mod data_table;
 mod drawing;
 #[cfg(not(target_family = "wasm"))]
 pub mod figures;
+#[cfg(not(target_family = "wasm"))]
 pub mod judge;
 mod markup;
 #[cfg(doctest)]
 mod model_pages;
+#[cfg(not(target_family = "wasm"))]
 pub mod oracle;
 mod page;
 pub mod picture;
