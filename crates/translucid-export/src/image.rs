@@ -16,7 +16,7 @@ pub(crate) struct Table<'a> {
     name: &'static str,
     size: [usize; 2],
     values: &'a [[f64; 3]],
-    /// What columns and rows are.
+    /// The meaning of columns and rows.
     note: String,
     /// The number that they end with, and its name.
     most: (&'static str, f64),

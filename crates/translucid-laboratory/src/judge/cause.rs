@@ -28,7 +28,7 @@ pub enum Cause {
     Light(f64),
 }
 
-/// What is to be mended.
+/// The part of a pass that is to be mended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The profile, or its width.
@@ -51,7 +51,7 @@ impl Cause {
         }
     }
 
-    /// What to change, in words; `dmfp_over_mfp` is that of the material.
+    /// Advice on the change, in words; `dmfp_over_mfp` is that of the material.
     pub fn advice(&self, surface_albedo: f64, dmfp_over_mfp: f64) -> String {
         let refined = "normalized-diffusion-refined is within 0.3 %";
         match self {

@@ -43,7 +43,7 @@ pub enum Setup {
 /// One channel of a picture, averaged by place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
-    /// What is lit.
+    /// The shape that is lit.
     pub setup: Setup,
     /// Material of the plane: half space of isotropic scatterers without a boundary.
     pub appearance: Appearance,
@@ -83,7 +83,7 @@ const EXPLAINS: [f64; 2] = [1.0 / 3.0, 0.015];
 /// A cause without a parameter is preferred to one that is not closer by this.
 const SIMPLER: f64 = 0.6;
 
-/// What is wrong with a channel of a pass, and by how much.
+/// The errors of a channel of a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
     /// All light over what there is less 1; nothing where white is not known.

@@ -39,7 +39,7 @@ pub struct OracleTable {
     pub name: &'static str,
     /// Rows.
     pub data: DataTable,
-    /// The same as a JSON document with what it means and how it was made.
+    /// The table as a JSON document, with the meaning of its columns and the way in which it was made.
     pub json: String,
 }
 

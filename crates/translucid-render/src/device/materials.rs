@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use translucid_scene::{
-    CameraVisibility, ColorInput, Material, ScalarInput, Scene, SceneError, TextureRef, WalkSurface, Wrap,
+    CameraVisibility, ColorInput, Light, Material, ScalarInput, Scene, SceneError, TextureRef, WalkSurface,
+    Wrap,
 };
 
 use crate::render::PreparedScene;
@@ -61,6 +62,13 @@ impl<'a> Materials<'a> {
         let medium = match transports.of(index) {
             SubsurfaceTransport::Lambertian => None,
             SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
+            SubsurfaceTransport::Walk(walks)
+                if walks.medium.surface == WalkSurface::Clear
+                    && walks.medium.eta > 1.0
+                    && self.scene.lights.iter().any(has_no_size) =>
+            {
+                return lacks("a walk below a refracting boundary, lit by a light without size");
+            }
             SubsurfaceTransport::Walk(walks) => Some(&walks.medium),
             SubsurfaceTransport::Probes(_) | SubsurfaceTransport::Shared(_) => {
                 return lacks("a subsurface_model with a profile (a random walk can be traced)");
@@ -178,6 +186,16 @@ impl<'a> Materials<'a> {
         self.medium_tables.extend((0..=ALBEDOS).map(root));
         self.medium_tables.extend((0..=ALBEDOS).map(|i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x));
         at
+    }
+}
+
+/// Returns `true` if no path meets a light by chance.
+fn has_no_size(light: &Light) -> bool {
+    match *light {
+        Light::Spot { radius, .. } => radius == 0.0,
+        Light::Distant { angular_radius, .. } => angular_radius == 0.0,
+        Light::Beam { .. } => true,
+        Light::Rectangle { .. } | Light::Ellipse { .. } | Light::Sphere { .. } => false,
     }
 }
 

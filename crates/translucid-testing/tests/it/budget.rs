@@ -23,7 +23,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-profile", 8260),
     ("translucid-python", 5190),
     ("translucid-reference", 10560),
-    ("translucid-render", 18700),
+    ("translucid-render", 18720),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2140),
     ("translucid-testing", 200),
