@@ -53,7 +53,7 @@ fn exits_do_not_depend_on_the_partition() {
     }
 }
 
-/// A walk that is stopped has launched the first photons of its range, and all of them have ended.
+/// A walk that is stopped has launched the first photons of its range, few after the stop, and all of them have ended.
 #[test]
 fn stopped_walk_is_that_of_fewer_photons() {
     for problem in problems() {
@@ -65,7 +65,7 @@ fn stopped_walk_is_that_of_fewer_photons() {
                 stop.store(found > 5000, Ordering::Relaxed);
             });
             let fewer = 5..5 + counts.launched;
-            assert!(counts.launched >= 5000, "{counts:?}");
+            assert!((5000..200_000).contains(&counts.launched), "{counts:?}");
             let (exits, counts_of_fewer) = exits(&problem, albedo, 11, std::slice::from_ref(&fewer));
             assert_eq!((exits.len(), counts_of_fewer), (found, counts));
         }
