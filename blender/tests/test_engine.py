@@ -121,6 +121,20 @@ def test_threads_do_not_change_the_picture():
     assert np.array_equal(first, combined())
 
 
+def test_processor_renders_where_no_device_can():
+    scene = still_life(samples=2)
+    first = combined()
+    scene.translucid.device = "auto"
+    scene.translucid.method = "point-based"
+    by_points = combined()
+    said = [text for text in messages() if text.startswith("the processor traces: ")]
+    assert len(said) == 1, messages()
+    scene.translucid.device = "cpu"
+    assert np.array_equal(by_points, combined())
+    scene.translucid.method = "ray-traced"
+    assert np.array_equal(first, combined())
+
+
 def test_transparent_film():
     scene = still_life(samples=4)
     assert combined()[..., 3].min() == 1

@@ -184,11 +184,13 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         description = self._description
         film, model = settings.film_keys(scene, *frame.size), settings.model_of(scene)
         integrator = settings.integrator_keys(scene, frame.samples, model, is_denoised=self._is_denoised(scene))
-        threads = settings.threads_of(scene)
+        threads, device = settings.threads_of(scene), scene.translucid.device
         self._state("Preparing")
 
         def prepare():
-            return translucid.Session(build(description, frame.camera, film, integrator), threads=threads, region=frame.region)
+            return translucid.Session(
+                build(description, frame.camera, film, integrator), threads=threads, device=device, region=frame.region
+            )
 
         task = Task(prepare)
         while not task.wait(_NAP):

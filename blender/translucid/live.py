@@ -17,6 +17,7 @@ class Target:
     film: dict
     integrator: dict
     threads: int | None
+    device: str = "cpu"
 
 
 class Live:
@@ -50,7 +51,7 @@ class Live:
         film = {**target.film, "size": list(self._size or (64, 64))}
         camera = self._camera or {"position": [0, 0, 1], "target": [0, 0, 0]}
         scene = build(target.description, camera, film, target.integrator, movable=True)
-        self.session = translucid.Session(scene, threads=target.threads)
+        self.session = translucid.Session(scene, threads=target.threads, device=target.device)
 
     def look(self, camera, size):
         """Takes a view; the picture begins anew if it is another one."""
@@ -74,7 +75,7 @@ def edits_between(old, new):
     """Calls of a session's methods that lead from one target to another; None where it must be made anew."""
     a, b = old.description, new.description
     kept = {name for name, body in b.bodies.items() if name in a.bodies and _is_kept(a, b, name, body)}
-    if old.threads != new.threads or not kept and (a.bodies or b.bodies):
+    if (old.threads, old.device) != (new.threads, new.device) or not kept and (a.bodies or b.bodies):
         return None
     edits = [] if same(old.film, new.film) else [("set_film", new.film)]
     for name, material in b.materials.items():

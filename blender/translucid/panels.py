@@ -53,7 +53,7 @@ class TRANSLUCID_PT_sampling(_Panel, bpy.types.Panel):
 
     def draw(self, context):
         column, settings = self.column(context)
-        for name in ("samples", "preview_samples", "time_limit", "use_denoising"):
+        for name in ("device", "samples", "preview_samples", "time_limit", "use_denoising"):
             column.prop(settings, name)
         row = column.row(align=True)
         row.prop(settings, "seed")

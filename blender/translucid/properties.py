@@ -54,6 +54,16 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
     use_caustics: bpy.props.BoolProperty(
         name="Caustics", description="Light that glossy surfaces throw onto matte ones; noisy", default=False, update=_changed
     )
+    device: bpy.props.EnumProperty(
+        name="Device",
+        description="Who traces the paths; both find the same light",
+        items=[
+            ("cpu", "Processor", "All cores, or as many as Threads says"),
+            ("auto", "Graphics Processor", "The best one that is there; where it lacks what the scene needs, the processor traces, and a line says so"),
+        ],
+        default="cpu",
+        update=_changed,
+    )
     use_denoising: bpy.props.BoolProperty(
         name="Denoise", description="By Open Image Denoise, if Blender's library is found", default=False
     )

@@ -79,7 +79,7 @@ class Viewport:
         # Points would be laid and lit anew for every edit, which may take minutes.
         samples, model = scene.translucid.preview_samples, settings.model_of(scene)
         integrator = settings.integrator_keys(scene, samples, model, method="ray-traced")
-        self._target = Target(description, film, integrator, settings.threads_of(scene))
+        self._target = Target(description, film, integrator, settings.threads_of(scene), scene.translucid.device)
         self._failure = None
         self._follow()
         if self._task is not None and self._task.wait(_PATIENCE):
@@ -119,6 +119,8 @@ class Viewport:
         try:
             if task.result():
                 self._view = None
+            for message in task.warnings:
+                self._report.add("", None, message)
         except (translucid.SceneError, ValueError, RuntimeError, MemoryError) as error:
             self._failure = str(error)
             print(f"translucid: {error}")

@@ -86,6 +86,17 @@ def test_region_is_the_crop_of_the_whole_bit_for_bit():
         assert np.array_equal(bits(part[name]), bits(whole[name][5:22, 7:29])), name
 
 
+def test_processor_traces_where_no_device_can():
+    scene = ball(size=[24, 18])
+    scene.set_integrator(subsurface_method="point-based", samples_per_pixel=2)
+    with pytest.warns(UserWarning, match="the processor traces: "):
+        session = Session(scene, device="auto")
+    session.run()
+    assert np.array_equal(session.snapshot(), render(scene))
+    with pytest.raises(ValueError, match="graphics processors|there is no device"):
+        Session(scene, device="nonesuch")
+
+
 def test_layers_are_arrays_of_their_own():
     picture = render(ball(), size=(8, 6), spp=1, layers=LAYERS)
     for name, array in picture.items():

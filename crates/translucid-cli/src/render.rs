@@ -35,6 +35,7 @@ use crate::{machine, messages};
 use look::Look;
 pub(crate) use outputs::Outputs;
 use picture::Task;
+pub(crate) use picture::no_device;
 use presets::print_presets;
 use tev::Tev;
 pub(crate) use tone::{Exposure, Tone};

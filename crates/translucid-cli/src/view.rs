@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use translucid_load::{ExtendedBase, LoadOptions, load_scene, still_life};
 use translucid_scene::Unit;
-use translucid_view::{Page, Settings, ViewError};
+use translucid_gpu::Choice;
+use translucid_view::{Devices, Page, Settings, ViewError};
 
 use crate::failure::Failure;
 use crate::model::{ModelName, UnitName};
@@ -48,6 +49,11 @@ pub(crate) struct ViewArguments {
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Who traces the paths: cpu, gpu, auto, or a part of a device's name
+    ///
+    /// `translucid devices` lists them, and the page has a menu. Where a device lacks what the scene needs, the processor traces.
+    #[arg(long, value_name = "NAME", default_value = "cpu")]
+    device: String,
     /// Model for all materials, in place of the scene's
     #[arg(long, value_name = "MODEL")]
     subsurface: Option<ModelName>,
@@ -68,7 +74,7 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
         Failure::work(format!("cannot serve at port {}: {error}", arguments.port))
             .with_help("--port 0 takes one that is free")
     })?;
-    let settings = settings(arguments)?;
+    let settings = settings(arguments, devices(&arguments.device)?)?;
     print_address(&page)?;
     interrupt::catch("\nclosing")?;
     let model = arguments.subsurface.map(ModelName::model);
@@ -95,7 +101,26 @@ fn print_address(page: &Page) -> Result<(), Failure> {
     told.map_err(|error| Failure::work(format!("cannot print the address: {error}")))
 }
 
-fn settings(arguments: &ViewArguments) -> Result<Settings, Failure> {
+/// The device of the start, and those that the page's menu has.
+fn devices(name: &str) -> Result<Devices, Failure> {
+    let open = |name: &str| {
+        let choice = Choice::open_for_pictures(name)?;
+        choice.device.ok_or_else(|| format!("there is no device {name:?}"))
+    };
+    let choice = Choice::open_for_pictures(name).map_err(render::no_device)?;
+    choice.note.iter().for_each(|note| messages::print_note(note));
+    // A build without devices has none to choose from
+    let usable = translucid_gpu::devices().unwrap_or_default().into_iter().filter(|device| device.fault.is_none());
+    let mut names = Vec::new();
+    for device in usable {
+        if !names.contains(&device.name) {
+            names.push(device.name);
+        }
+    }
+    Ok(Devices { names, open: Box::new(open), first: choice.device })
+}
+
+fn settings(arguments: &ViewArguments, devices: Devices) -> Result<Settings, Failure> {
     let (name, extends) = match &arguments.scene {
         None => (String::from("still life"), String::from("still-life")),
         Some(path) => {
@@ -127,6 +152,7 @@ fn settings(arguments: &ViewArguments) -> Result<Settings, Failure> {
         load_base: Box::new(load_base),
         command: command_line::shown(),
         options: arguments.mesh.iter().map(mesh).collect::<Vec<_>>().join(" "),
+        devices,
     })
 }
 

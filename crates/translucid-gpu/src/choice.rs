@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use translucid_reference::walk::Device;
+use translucid_render::OnDevice;
 use translucid_render::device::TracingDevice;
 
 use crate::description::DeviceDescription;
@@ -34,6 +35,12 @@ impl Choice<Arc<dyn TracingDevice>> {
     /// As there.
     pub fn open_for_pictures(name: &str) -> Result<Self, String> {
         Self::of(name, "traces", open_tracer)
+    }
+
+    /// What a session or a page renders with: a device that was left to us gives way where it cannot take a scene.
+    pub fn on_device(&self) -> Option<OnDevice> {
+        let kind = if self.note.is_some() { OnDevice::preferred } else { OnDevice::required };
+        self.device.clone().map(kind)
     }
 }
 

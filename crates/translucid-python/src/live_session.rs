@@ -113,7 +113,12 @@ impl LiveSession {
             self.is_wanted.store(true, Ordering::Relaxed);
             let mut state = self.lock();
             self.is_wanted.store(false, Ordering::Relaxed);
-            end(&mut state, how)
+            end(&mut state, how)?;
+            // Whether a device can take an edited scene is known once it was to trace it
+            if let State::Idle(session) = &*state {
+                *self.facts() = Facts::of(session);
+            }
+            Ok::<_, Failure>(())
         })?;
         Ok(())
     }

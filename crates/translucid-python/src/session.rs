@@ -27,7 +27,7 @@ use crate::mattes::{Kind, mattes};
 use crate::names::{self, all_of_object, index_of};
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
 use crate::scene_error::{scene_error, warn};
-use crate::session_state::Failure;
+use crate::session_state::{Failure, refusal};
 
 /// Most samples per pixel.
 const MOST_SAMPLES: u64 = 1 << 24;
@@ -120,14 +120,8 @@ impl Session {
             )?;
             let prepared = pool.install(|| PreparedScene::new(scene))?;
             let mut session = translucid_render::Session::new(prepared, view);
-            let is_auto = choice.note.is_some();
-            let mut note = choice.note.filter(|_| choice.device.is_none());
-            if let Some(device) = choice.device {
-                match session.set_device(Some(device)) {
-                    Err(error) if is_auto => note = Some(format!("the processor traces: {error}")),
-                    result => result?,
-                }
-            }
+            session.set_device(choice.on_device())?;
+            let note = choice.note.filter(|_| choice.device.is_none()).or_else(|| refusal(&session));
             Ok((session, note))
         })??;
         if let Some(note) = note {

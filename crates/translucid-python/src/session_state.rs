@@ -31,12 +31,17 @@ impl Facts {
         let film = session.view().film();
         Self {
             film: session.film(),
-            notes: session.prepared().notes().iter().map(ToString::to_string).collect(),
+            notes: session.prepared().notes().iter().map(ToString::to_string).chain(refusal(session)).collect(),
             exposure: film.exposure,
             tone_mapping: film.tone_mapping.name(),
             samples_per_pixel: session.prepared().scene().integrator.samples_per_pixel,
         }
     }
+}
+
+/// Why the processor traces where a device was to be used if it can.
+pub(crate) fn refusal(session: &Session) -> Option<String> {
+    session.refusal().map(|reason| format!("the processor traces: {reason}"))
 }
 
 /// Why there is no session or no more of it.

@@ -87,7 +87,7 @@ pub use render::{
     ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, TracedBlock, View, content_hash,
     is_shard, matte_hash, matte_id, save_shard,
 };
-pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, available_memory};
+pub use session::{CheckpointPlan, Event, Observer, OnDevice, Plan, RunningSession, Session, available_memory};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointPlan, PointProgress};
 pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

@@ -52,6 +52,7 @@ export class RenderPanel {
             row(NumberRow, "samples_per_pixel", "Samples per pixel", { scale: whole(1, 4096) }),
             row(ChoiceRow, "subsurface_method", "Method", { options: methods }),
             ...(session.hello.denoises ? [this.#denoising()] : []),
+            ...(session.hello.devices.length > 1 ? [this.#device()] : []),
             row(CheckRow, "subsurface_sharing", "Share light", { hint: "subsurface_sharing: light that has entered serves the pixels around, too" }),
             row(NumberRow, "max_depth", "Depth", { scale: whole(1, 64), hint: "max_depth: most scattering events on a path" }),
             row(NumberRow, "max_diffuse_depth", "Diffuse depth", {
@@ -75,6 +76,20 @@ export class RenderPanel {
         });
         byId("integrator-rows").append(row.element);
         return () => row.show(session.state.denoise);
+    }
+
+    /** Not a key of the scene: every device finds the same light. */
+    #device() {
+        const session = this.#session;
+        const row = new ChoiceRow({
+            id: "device",
+            name: "Device",
+            options: session.hello.devices.map((value) => ({ value, name: value === "cpu" ? "Processor" : value })),
+            hint: "Who traces the paths. Where a device lacks what the scene needs, the processor does, and a note says so.",
+            change: (name) => session.command({ type: "device", name }),
+        });
+        byId("integrator-rows").append(row.element);
+        return () => row.show(session.state.device);
     }
 
     #film() {

@@ -13,6 +13,8 @@
 
 #[cfg(any(test, target_family = "wasm"))]
 mod crew;
+#[cfg(test)]
+mod device_tests;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -20,8 +22,9 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use translucid_laboratory::picture as laboratory;
+use translucid_render::device::TracingDevice;
 use translucid_render::{
-    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, Outcome, PointCloud, PointPass, PointProgress,
+    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, OnDevice, Outcome, PointCloud, PointPass, PointProgress,
     PreparedScene, View, available_memory,
 };
 use translucid_scene::{Film, SubsurfaceMethod};
@@ -29,6 +32,7 @@ use translucid_scene::{Film, SubsurfaceMethod};
 use crate::clock::Instant;
 use crate::look::Look;
 use crate::message::Side;
+use crate::settings::Devices;
 use crate::shared::{Frame, Shared, SideFilm};
 use crate::studio::{MOTION_ENDS, Wanted};
 use crate::view::{Shown, comparable, comparison_codes, layer_codes, thinned};
@@ -71,6 +75,8 @@ struct SideWork {
     half: Option<(laboratory::Picture, u32)>,
     noise: Option<f64>,
     points: Option<PointCloud>,
+    /// Who traces paths in the processor's place.
+    on_device: Option<OnDevice>,
     /// What other workers were given of it to trace.
     #[cfg(any(test, target_family = "wasm"))]
     dealt: crew::Dealt,
@@ -104,6 +110,9 @@ pub(crate) struct Engine<'a> {
     /// The look that the prepared scene has now.
     look: Arc<Look>,
     images: usize,
+    /// The device that traces in the processor's place, and its name.
+    device: Option<Arc<dyn TracingDevice>>,
+    device_name: String,
     /// Films that were begun.
     #[cfg(any(test, target_family = "wasm"))]
     films: u32,
@@ -127,6 +136,8 @@ impl<'a> Engine<'a> {
             prepared,
             look,
             images: 0,
+            device: shared.settings.devices.first.clone(),
+            device_name: wanted.device.clone(),
             #[cfg(any(test, target_family = "wasm"))]
             films: 0,
             wanted: wanted.clone(),
@@ -194,6 +205,9 @@ impl<'a> Engine<'a> {
             && before.shown == self.wanted.shown
             && before.is_denoised == self.wanted.is_denoised;
         self.bring_images();
+        if self.wanted.device != self.device_name {
+            self.change_device();
+        }
         for side in 0..2 {
             let Some(look) = self.wanted.looks[side].clone() else {
                 self.sides[side] = None;
@@ -237,8 +251,10 @@ impl<'a> Engine<'a> {
         let region = view.region();
         let other_cost = self.sides.iter().flatten().map(|side| side.cost).next();
         let cost = old.as_ref().map(|old| old.cost).or(other_cost).unwrap_or(FIRST_GUESS);
-        let points = old.filter(|old| !old.look.differs(&look)).and_then(|old| old.points);
+        let (points, on_device) =
+            old.filter(|old| !old.look.differs(&look)).map_or((None, None), |old| (old.points, old.on_device));
         let points = points.filter(|points| self.prepared.points_serve(points, &view));
+        let on_device = on_device.or_else(|| self.device.clone().map(OnDevice::preferred));
         #[cfg(any(test, target_family = "wasm"))]
         let dealt = {
             self.films += 1;
@@ -256,9 +272,28 @@ impl<'a> Engine<'a> {
             half: None,
             noise: None,
             points,
+            on_device,
             cost,
             shown: None,
         })
+    }
+
+    /// Opens the device that is wanted; all films begin anew.
+    fn change_device(&mut self) {
+        self.sides = [None, None];
+        self.device_name.clone_from(&self.wanted.device);
+        let is_processor = self.device_name == Devices::PROCESSOR;
+        let opened = (!is_processor).then(|| (self.shared.settings.devices.open)(&self.device_name));
+        let refusal = opened.as_ref().and_then(|opened| opened.as_ref().err().cloned());
+        self.device = opened.and_then(Result::ok);
+        self.tell_notes(refusal.as_deref());
+    }
+
+    /// Tells pages all notes of the scene, and why the processor traces in place of a device.
+    fn tell_notes(&self, refusal: Option<&str>) {
+        let refusal = refusal.map(|reason| format!("the processor traces: {reason}"));
+        let notes = self.prepared.notes().iter().map(ToString::to_string).chain(refusal);
+        self.shared.set_notes(notes.collect());
     }
 
     /// Gives the prepared scene the images that pages have brought since.
@@ -282,7 +317,7 @@ impl<'a> Engine<'a> {
         let edits = self.look.edits_to(&look);
         if !edits.is_empty() {
             edits.into_iter().for_each(|edit| self.edit(edit));
-            self.shared.set_notes(self.prepared.notes().iter().map(ToString::to_string).collect());
+            self.tell_notes(None);
         }
         self.look = look;
         if self.prepared.wants_points()
@@ -349,8 +384,16 @@ impl<'a> Engine<'a> {
     }
 
     /// Renders into a film until each pixel has so many samples, or a slice of time is over; how long it took \[s\].
-    fn render(&self, view: &View, film: &LiveFilm, samples: u32, slice: Option<Duration>) -> (Outcome, f64) {
+    fn render(
+        &mut self,
+        side: usize,
+        view: &View,
+        film: &LiveFilm,
+        samples: u32,
+        slice: Option<Duration>,
+    ) -> (Outcome, f64) {
         let start = Instant::now();
+        let mut on_device = self.sides[side].as_mut().and_then(|work| work.on_device.take());
         let is_over = AtomicBool::new(false);
         let watch = |_| {
             is_over.store(slice.is_some_and(|slice| start.elapsed() >= slice), Ordering::Relaxed);
@@ -359,7 +402,26 @@ impl<'a> Engine<'a> {
             }
         };
         let goal = Goal { samples: 0..samples, deadline: None };
-        let outcome = self.prepared.render(view, film, &goal, &watch, &self.shared.stop);
+        let on_processor = || self.prepared.render(view, film, &goal, &watch, &self.shared.stop);
+        let outcome = match &mut on_device {
+            None => on_processor(),
+            Some(device) => {
+                let known = device.refusal().is_some();
+                let result = device.render(&self.prepared, view, film, &goal, &watch, &self.shared.stop);
+                if let Some(reason) = device.refusal().filter(|_| !known) {
+                    self.tell_notes(Some(reason));
+                }
+                result.unwrap_or_else(|error| {
+                    // A device that has failed is not asked again before something changes
+                    self.tell_notes(Some(&error.to_string()));
+                    on_device = None;
+                    on_processor()
+                })
+            }
+        };
+        if let Some(work) = &mut self.sides[side] {
+            work.on_device = on_device;
+        }
         let outcome = if is_over.into_inner() { Outcome::TimeUp } else { outcome };
         (outcome, start.elapsed().as_secs_f64())
     }
@@ -370,7 +432,7 @@ impl<'a> Engine<'a> {
         let view = work.view.at(fraction);
         let region = view.region();
         let film = LiveFilm::new(FilmSums::new(region.width, region.height));
-        let (outcome, seconds) = self.render(&view, &film, 1, None);
+        let (outcome, seconds) = self.render(side, &view, &film, 1, None);
         let Some(work) = &mut self.sides[side] else { return };
         if outcome == Outcome::Finished {
             work.cost = seconds / region.area() as f64;
@@ -421,8 +483,8 @@ impl<'a> Engine<'a> {
         self.prepare(side);
         let Some(work) = &self.sides[side] else { return };
         let (view, film) = (work.view.clone(), Arc::clone(&work.film));
-        let before = film.samples();
-        let (outcome, seconds) = self.render(&view, &film, work.next_samples(), slice);
+        let (before, next) = (film.samples(), work.next_samples());
+        let (outcome, seconds) = self.render(side, &view, &film, next, slice);
         let Some(work) = &mut self.sides[side] else { return };
         work.seconds += seconds;
         work.unfinished_seconds += seconds;

@@ -62,6 +62,9 @@ pub(crate) enum Message {
     Denoise {
         on: bool,
     },
+    Device {
+        name: String,
+    },
     Pick {
         x: f32,
         y: f32,

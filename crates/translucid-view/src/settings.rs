@@ -1,6 +1,9 @@
 //! Where a scene comes from.
 
+use std::sync::Arc;
+
 use translucid_load::ExtendedBase;
+use translucid_render::device::TracingDevice;
 use translucid_scene::{Scene, SceneError};
 
 /// The scene's origin, as pages and saved files state it.
@@ -15,6 +18,33 @@ pub struct Settings {
     pub command: String,
     /// Options that a command needs besides a saved scene.
     pub options: String,
+    pub devices: Devices,
+}
+
+/// What can trace paths besides the processor, which messages call [`PROCESSOR`](Devices::PROCESSOR).
+pub struct Devices {
+    /// Names from which a page chooses.
+    pub names: Vec<String>,
+    /// Opens a device of such a name; the message of the error says why it cannot be used.
+    pub open: Box<OpenDevice>,
+    /// The device of the start.
+    pub first: Option<Arc<dyn TracingDevice>>,
+}
+
+/// Opens a device of a name.
+pub type OpenDevice = dyn Fn(&str) -> Result<Arc<dyn TracingDevice>, String> + Send + Sync;
+
+impl Devices {
+    /// The processor's name.
+    pub const PROCESSOR: &str = "cpu";
+}
+
+impl Default for Devices {
+    /// The processor alone.
+    fn default() -> Self {
+        let open = |name: &str| Err(format!("there is no device {name}"));
+        Self { names: Vec::new(), open: Box::new(open), first: None }
+    }
 }
 
 impl Settings {

@@ -15,7 +15,7 @@ use translucid_scene::{Scene, SceneError};
 use crate::json;
 use crate::message::Side;
 use crate::page_state::PageState;
-use crate::settings::Settings;
+use crate::settings::{Devices, Settings};
 use crate::studio::{Studio, Wanted};
 
 /// A picture on its way to the pages.
@@ -70,10 +70,13 @@ impl Shared {
         settings: Settings,
     ) -> Result<Self, SceneError> {
         let denoiser = Denoiser::load().ok();
-        let studio = Studio::new(scene)?;
+        let mut studio = Studio::new(scene)?;
+        studio.set_devices(&settings.devices);
         let bounds = bounds(scene, &picker);
         let mut hello = json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera);
         hello["denoises"] = json!(denoiser.is_some());
+        let devices: Vec<_> = std::iter::once(Devices::PROCESSOR).chain(settings.devices.names.iter().map(String::as_str)).collect();
+        hello["devices"] = json!(devices);
         Ok(Self {
             hello: hello.to_string(),
             bounds,

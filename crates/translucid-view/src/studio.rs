@@ -15,6 +15,7 @@ use crate::json;
 use crate::look::Look;
 use crate::message::{Edited, Message, Side};
 use crate::page_state::PageState;
+use crate::settings::Devices;
 use crate::value::piece;
 use crate::view::Shown;
 use translucid_render::FilmLayer;
@@ -60,6 +61,8 @@ pub(crate) struct Wanted {
     pub(crate) is_paused: bool,
     /// Pictures that are not finished are denoised for the display, where something can do it.
     pub(crate) is_denoised: bool,
+    /// Who traces the paths.
+    pub(crate) device: String,
     /// When the page has said last that it moves something; none once it has let go.
     pub(crate) moving: Option<Instant>,
     /// Images of pages, after the scene's own.
@@ -79,6 +82,9 @@ pub(crate) struct Studio {
     shown: Shown,
     is_paused: bool,
     is_denoised: bool,
+    /// Names of what can trace paths, the processor first, and the one that does.
+    devices: Vec<String>,
+    device: usize,
     moving: Option<Instant>,
     origin: Setup,
     done: VecDeque<Setup>,
@@ -110,6 +116,8 @@ impl Studio {
             shown: Shown::Layer(FilmLayer::Radiance),
             is_paused: false,
             is_denoised: true,
+            devices: vec![Devices::PROCESSOR.to_owned()],
+            device: 0,
             moving: None,
             done: VecDeque::new(),
             undone: Vec::new(),
@@ -128,6 +136,7 @@ impl Studio {
             shown: self.shown,
             is_paused: self.is_paused,
             is_denoised: self.is_denoised,
+            device: self.devices[self.device].clone(),
             moving: self.moving,
             images: self.images.clone(),
         }
@@ -180,6 +189,7 @@ impl Studio {
             ("view", json!(self.shown.name())),
             ("paused", json!(self.is_paused)),
             ("denoise", json!(self.is_denoised)),
+            ("device", json!(self.devices[self.device])),
             ("undo", json!(!self.done.is_empty())),
             ("redo", json!(!self.undone.is_empty())),
             ("notes", json!(notes)),
@@ -288,6 +298,13 @@ impl Studio {
             }
             Message::Pause { on } => self.is_paused = on,
             Message::Denoise { on } => self.is_denoised = on,
+            Message::Device { name } => {
+                let number = self.devices.iter().position(|known| *known == name);
+                self.device = number.ok_or_else(|| {
+                    let names = self.devices.join(", ");
+                    SceneError::new(format!("the device is {name:?}, but must be one of {names}"))
+                })?;
+            }
             // A renderer that has gone on already is not disturbed
             Message::Settled {} if moved.is_none_or(|last| last.elapsed() >= MOTION_ENDS) => return Ok(()),
             Message::Settled {} | Message::Frame {} => {}
@@ -300,6 +317,13 @@ impl Studio {
         }
         self.settle();
         Ok(())
+    }
+
+    /// Lets pages choose from devices, beginning with the first one of a start.
+    pub(crate) fn set_devices(&mut self, devices: &Devices) {
+        self.devices.extend(devices.names.iter().cloned());
+        let first = devices.first.as_ref().map(|device| device.name());
+        self.device = first.and_then(|name| self.devices.iter().position(|known| known == name)).unwrap_or(0);
     }
 
     /// Looks from a camera that is known to be valid.

@@ -21,7 +21,7 @@ use crate::engine::Engine;
 use crate::files::{PictureFormat, bring_environment, encode_picture};
 use crate::message::Side;
 use crate::page_state::PageState;
-use crate::settings::Settings;
+use crate::settings::{Devices, Settings};
 use crate::shared::{Frame, Shared};
 
 /// Pixels of a film that nobody has chosen: a worker has one thread.
@@ -344,5 +344,6 @@ fn settings(name: &str) -> Settings {
         load_base: Box::new(move || load(&base, None, &mut Vec::new())),
         command: String::from("translucid view, in a browser"),
         options: String::new(),
+        devices: Devices::default(),
     }
 }

@@ -100,19 +100,20 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
 
 /// Sets who traces paths.
 fn set_device(session: &mut Session, name: &str) -> Result<(), Failure> {
-    let choice = Choice::open_for_pictures(name).map_err(|reason| {
-        Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there")
-    })?;
+    let choice = Choice::open_for_pictures(name).map_err(no_device)?;
     choice.note.iter().for_each(|note| messages::print_note(note));
-    let Some(device) = choice.device else { return Ok(()) };
-    match session.set_device(Some(device)) {
-        Ok(()) => Ok(()),
-        Err(error) if choice.note.is_some() => {
-            messages::print_note(&format!("the processor traces: {error}"));
-            Ok(())
-        }
-        Err(error) => Err(Failure::from(error).with_help("--device cpu renders it")),
+    session
+        .set_device(choice.on_device())
+        .map_err(|error| Failure::from(error).with_help("--device cpu renders it"))?;
+    if let Some(reason) = session.refusal() {
+        messages::print_note(&format!("the processor traces: {reason}"));
     }
+    Ok(())
+}
+
+/// The failure where a device cannot be had, for a reason.
+pub(crate) fn no_device(reason: String) -> Failure {
+    Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there")
 }
 
 /// The model of each material that light goes under.

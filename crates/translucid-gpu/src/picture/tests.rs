@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use glam::{Affine2, Vec2};
 use translucid_profile::Model;
 use translucid_render::device::Header;
-use translucid_render::{FilmLayer, Plan, PreparedScene, Session};
+use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material,
     Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceModel, TextureRef,
@@ -65,7 +65,7 @@ fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Tracer>>) -> Session
     let view = prepared.view().unwrap();
     let mut session = Session::new(prepared, view);
     if let Some(device) = device {
-        session.set_device(Some(Arc::clone(device) as Arc<dyn TracingDevice>)).unwrap();
+        session.set_device(Some(OnDevice::required(Arc::clone(device) as Arc<dyn TracingDevice>))).unwrap();
     }
     session.run(&Plan::samples(samples), &|_| {}, &AtomicBool::new(false)).unwrap();
     session
@@ -283,7 +283,7 @@ fn scenes_that_devices_lack_something_for_are_refused_by_name() {
         let prepared = PreparedScene::new(scene(material, matte())).unwrap();
         let view = prepared.view().unwrap();
         let device: Arc<dyn TracingDevice> = tracer().clone();
-        let error = Session::new(prepared, view).set_device(Some(device)).unwrap_err().to_string();
+        let error = Session::new(prepared, view).set_device(Some(OnDevice::required(device))).unwrap_err().to_string();
         assert!(error.contains(expected) && error.contains("material"), "{error}");
     }
 }

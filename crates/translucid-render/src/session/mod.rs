@@ -10,6 +10,7 @@
 //! and started again.
 
 mod memory;
+mod on_device;
 mod running;
 
 use std::ops::Range;
@@ -21,14 +22,14 @@ use std::time::{Duration, Instant};
 use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
-use crate::device::{DeviceScene, TracingDevice};
 use crate::render::{
-    Edit, FilmSums, Fingerprint, Fraction, Goal, LiveFilm, Outcome, PathTracing, PreparedScene, Renewed,
-    SampleProgress, ShardNotes, ShardReader, ShardRun, View, render_on, save_shard,
+    Edit, FilmSums, Fingerprint, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Renewed, SampleProgress,
+    ShardNotes, ShardReader, ShardRun, View, save_shard,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
 pub use memory::available_memory;
+pub use on_device::OnDevice;
 pub use running::RunningSession;
 
 /// Something that happens in a session.
@@ -101,9 +102,7 @@ pub struct Session {
     /// Notes for the film's file; the last of its runs is this one, which has no time yet.
     notes: ShardNotes,
     denoised: Option<Result<Denoised, OutputError>>,
-    device: Option<Arc<dyn TracingDevice>>,
-    /// The scene on the device, once it is there.
-    on_device: Option<Box<dyn PathTracing>>,
+    on_device: Option<OnDevice>,
 }
 
 impl Session {
@@ -111,7 +110,7 @@ impl Session {
     pub fn new(prepared: PreparedScene, view: View) -> Self {
         let film = Arc::new(empty_film(&view));
         let notes = ShardNotes { runs: vec![ShardRun::default()], ..ShardNotes::default() };
-        Self { film, prepared, view, seconds: 0.0, notes, denoised: None, device: None, on_device: None }
+        Self { film, prepared, view, seconds: 0.0, notes, denoised: None, on_device: None }
     }
 
     /// The scene.
@@ -140,7 +139,7 @@ impl Session {
     /// As [`PreparedScene::edit`]; scene and film then stay as they were.
     pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
         let renewed = self.prepared.edit(edit)?;
-        self.on_device = None;
+        self.on_device.iter_mut().for_each(OnDevice::renew);
         self.restart();
         Ok(renewed)
     }
@@ -150,17 +149,18 @@ impl Session {
     /// Both find the same light by other paths: means are equal, samples are not.
     ///
     /// # Errors
-    /// The scene needs something that devices lack, or is too large; the session then stays as it was.
-    pub fn set_device(&mut self, device: Option<Arc<dyn TracingDevice>>) -> Result<(), SceneError> {
-        let on_device = device.as_ref().map(|device| self.open_on(device)).transpose()?;
-        (self.device, self.on_device) = (device, on_device);
+    /// The device is required, and the scene needs something that devices lack, or is too large; the session then stays as it
+    /// was.
+    pub fn set_device(&mut self, mut device: Option<OnDevice>) -> Result<(), SceneError> {
+        device.iter_mut().try_for_each(|device| device.open(&self.prepared, &self.view))?;
+        self.on_device = device;
         self.restart();
         Ok(())
     }
 
-    fn open_on(&self, device: &Arc<dyn TracingDevice>) -> Result<Box<dyn PathTracing>, SceneError> {
-        let scene = DeviceScene::new(&self.prepared, &self.view, &device.limits())?;
-        Arc::clone(device).open(&scene).map_err(SceneError::new)
+    /// Why the processor traces in place of the preferred device, in words.
+    pub fn refusal(&self) -> Option<&str> {
+        self.on_device.as_ref().and_then(OnDevice::refusal)
     }
 
     /// Sets another view; the film begins anew.
@@ -168,7 +168,7 @@ impl Session {
         self.prepared.keep_points_for(&view);
         let filter = |view: &View| (view.film().filter, view.film().filter_radius);
         if filter(&view) != filter(&self.view) {
-            self.on_device = None;
+            self.on_device.iter_mut().for_each(OnDevice::renew);
         }
         self.view = view;
         self.restart();
@@ -264,11 +264,6 @@ impl Session {
             return Ok(Outcome::Interrupted);
         }
         let start = Instant::now();
-        if let Some(device) = &self.device
-            && self.on_device.is_none()
-        {
-            self.on_device = Some(self.open_on(device)?);
-        }
         let outcome = self
             .preview(plan, observer, stop)
             .and_then(|()| self.render_in_slices(plan, observer, stop, start));
@@ -351,8 +346,8 @@ impl Session {
         progress: &(dyn Fn(SampleProgress) + Sync),
         stop: &AtomicBool,
     ) -> Result<Outcome, SceneError> {
-        match self.on_device.as_deref_mut() {
-            Some(device) => render_on(device, view, film, goal, progress, stop).map_err(SceneError::new),
+        match &mut self.on_device {
+            Some(device) => device.render(&self.prepared, view, film, goal, progress, stop),
             None => Ok(self.prepared.render(view, film, goal, progress, stop)),
         }
     }

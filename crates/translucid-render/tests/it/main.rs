@@ -22,6 +22,7 @@ mod layered_profiles;
 mod many_lights;
 mod models;
 mod normalization;
+mod on_device;
 mod point_based;
 mod prepared;
 mod random_walk;

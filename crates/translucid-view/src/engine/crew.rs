@@ -112,7 +112,7 @@ mod tests {
 
     use super::*;
     use crate::message::Side;
-    use crate::settings::Settings;
+    use crate::settings::{Devices, Settings};
     use crate::shared::Shared;
 
     const BALL: &str = "unit = 'cm'\nfilm.size = [70, 50]\nintegrator.samples_per_pixel = 6\nenvironment.radiance = 1\n\
@@ -127,6 +127,7 @@ mod tests {
             load_base: Box::new(|| Ok(Scene::default())),
             command: String::new(),
             options: String::new(),
+            devices: Devices::default(),
         };
         Shared::new(scene.scene(), scene.picker(), Vec::new(), settings).unwrap()
     }

@@ -43,6 +43,7 @@ impl Served {
             load_base: Box::new(|| still_life(&LoadOptions::default())),
             command: String::new(),
             options: String::new(),
+            devices: Devices::default(),
         };
         let thread = std::thread::spawn(move || page.show(scene, settings, &flag).unwrap());
         Self { address, quit, thread: Some(thread) }
