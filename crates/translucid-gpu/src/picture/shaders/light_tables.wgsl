@@ -11,7 +11,7 @@ fn light_word(x: f32, hash: u32) -> u32 {
 
 // A hash of the random numbers of a sample.
 fn light_hash(choice: f32, u: vec2f) -> u32 {
-    var h = bitcast<u32>(choice) * 0x9e3779b9u ^ bitcast<u32>(u.x) * 0x85ebca6bu ^ bitcast<u32>(u.y) * 0xc2b2ae35u;
+    var h = (bitcast<u32>(choice) * 0x9e3779b9u) ^ (bitcast<u32>(u.x) * 0x85ebca6bu) ^ (bitcast<u32>(u.y) * 0xc2b2ae35u);
     h = (h ^ (h >> 16u)) * 0x7feb352du;
     h = (h ^ (h >> 15u)) * 0x846ca68bu;
     return h ^ (h >> 16u);

@@ -63,7 +63,7 @@ fn arrive(
     let u = stratified((*path).sampler, (*path).vertex, 0u);
     let is_hidden = tables[m + HIDDEN_FROM_CAMERA] > 0.0 && of_camera;
     let clear = p.transmission_weight * (1.0 - p.metalness);
-    if (is_hidden || (*met).opacity < 1.0 && u.w >= (*met).opacity) {
+    if (is_hidden || ((*met).opacity < 1.0 && u.w >= (*met).opacity)) {
         pass_surface(path, met, vec3f(1.0));
         return;
     }
@@ -81,7 +81,7 @@ fn arrive(
         (*found).depth = distance((*met).position, (*path).mis_point);
     }
     let is_spent = (*path).depth >= head(MAX_DEPTH);
-    if (is_spent && !(tables[m + IS_MATCHED] > 0.0) || !survives(path, u.y)) {
+    if ((is_spent && !(tables[m + IS_MATCHED] > 0.0)) || !survives(path, u.y)) {
         return;
     }
     (*path).work = AT_SURFACE;

@@ -209,7 +209,7 @@ fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<func
     let off = (*walk).start - table_color(MIDDLE);
     let is_lost = !(dot(off, off) <= tables[FARTHEST]);
     let is_given_up = (*walk).events >= u32(tables[m + MOST_FLIGHTS]);
-    if (is_lost || is_given_up || is_clear && is_last(path) || is_zero((*path).throughput)) {
+    if (is_lost || is_given_up || (is_clear && is_last(path)) || is_zero((*path).throughput)) {
         (*path).work = ENDED;
         return;
     }
@@ -353,7 +353,7 @@ fn scatter_at_matte_end(
     for (var k = 0u; k < 2u; k += 1u) {
         let direction = select(drawn, (*light).direction, k == 0u);
         let cosine = select(wi.z, dot(direction, normal), k == 0u);
-        if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || k == 0u && (*light).kind == NO_LIGHT) {
+        if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || (k == 0u && (*light).kind == NO_LIGHT)) {
             continue;
         }
         let weight = entry_weight((*met).surface, min(cosine, 1.0));
