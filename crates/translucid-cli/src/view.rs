@@ -117,7 +117,7 @@ fn devices(name: &str) -> Result<Devices, Failure> {
             names.push(device.name);
         }
     }
-    Ok(Devices { names, open: Box::new(open), first: choice.device })
+    Ok(Devices { names, open: Box::new(open), first: choice.device, by_script: None })
 }
 
 fn settings(arguments: &ViewArguments, devices: Devices) -> Result<Settings, Failure> {

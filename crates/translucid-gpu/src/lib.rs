@@ -24,6 +24,7 @@ mod device;
 mod law;
 #[cfg(feature = "device")]
 mod picture;
+pub mod program;
 #[cfg(test)]
 mod twin;
 

@@ -82,9 +82,9 @@ mod world;
 
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
-    Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, MOST_MATTE_SAMPLES,
+    AT_ONCE, Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, MOST_MATTE_SAMPLES,
     Outcome, PathTracing, Picked, Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader,
-    ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, TracedBlock, View, content_hash,
+    ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, TracedBlock, View, add_samples, content_hash,
     is_shard, matte_hash, matte_id, save_shard,
 };
 pub use session::{CheckpointPlan, Event, Observer, OnDevice, Plan, RunningSession, Session, available_memory};

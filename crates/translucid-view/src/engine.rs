@@ -15,6 +15,10 @@
 mod crew;
 #[cfg(test)]
 mod device_tests;
+#[cfg(any(test, target_family = "wasm"))]
+mod script;
+#[cfg(test)]
+mod script_tests;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -77,6 +81,9 @@ struct SideWork {
     points: Option<PointCloud>,
     /// Who traces paths in the processor's place.
     on_device: Option<OnDevice>,
+    /// Whether the script's device has the scene, or cannot take it.
+    #[cfg(any(test, target_family = "wasm"))]
+    on_script: script::Scene,
     /// What other workers were given of it to trace.
     #[cfg(any(test, target_family = "wasm"))]
     dealt: crew::Dealt,
@@ -113,6 +120,9 @@ pub(crate) struct Engine<'a> {
     /// The device that traces in the processor's place, and its name.
     device: Option<Arc<dyn TracingDevice>>,
     device_name: String,
+    /// What a page's script traces.
+    #[cfg(any(test, target_family = "wasm"))]
+    script: script::Script,
     /// Films that were begun.
     #[cfg(any(test, target_family = "wasm"))]
     films: u32,
@@ -138,6 +148,8 @@ impl<'a> Engine<'a> {
             images: 0,
             device: shared.settings.devices.first.clone(),
             device_name: wanted.device.clone(),
+            #[cfg(any(test, target_family = "wasm"))]
+            script: script::Script::default(),
             #[cfg(any(test, target_family = "wasm"))]
             films: 0,
             wanted: wanted.clone(),
@@ -170,6 +182,10 @@ impl<'a> Engine<'a> {
     pub(crate) fn step(&mut self, slice: Option<Duration>) -> Option<Duration> {
         self.follow();
         match self.next_work() {
+            #[cfg(any(test, target_family = "wasm"))]
+            Work::Preview(side, _) | Work::Samples(side) if self.is_for_script(side) => {
+                return Some(script::PATIENCE);
+            }
             Work::Preview(side, fraction) => self.preview(side, fraction),
             Work::Points(side) => self.make_points(side),
             Work::Samples(side) => self.sample(side, slice),
@@ -251,8 +267,13 @@ impl<'a> Engine<'a> {
         let region = view.region();
         let other_cost = self.sides.iter().flatten().map(|side| side.cost).next();
         let cost = old.as_ref().map(|old| old.cost).or(other_cost).unwrap_or(FIRST_GUESS);
-        let (points, on_device) =
-            old.filter(|old| !old.look.differs(&look)).map_or((None, None), |old| (old.points, old.on_device));
+        let old = old.filter(|old| !old.look.differs(&look));
+        // The filter belongs to what devices have of a scene
+        let has_same_filter = old.as_ref().is_some_and(|old| same_filter(old.view.film(), &film));
+        #[cfg(any(test, target_family = "wasm"))]
+        let on_script = old.as_ref().filter(|_| has_same_filter).map(|old| old.on_script).unwrap_or_default();
+        let (points, on_device) = old.map_or((None, None), |old| (old.points, old.on_device));
+        let on_device = on_device.filter(|_| has_same_filter);
         let points = points.filter(|points| self.prepared.points_serve(points, &view));
         let on_device = on_device.or_else(|| self.device.clone().map(OnDevice::preferred));
         #[cfg(any(test, target_family = "wasm"))]
@@ -273,6 +294,8 @@ impl<'a> Engine<'a> {
             noise: None,
             points,
             on_device,
+            #[cfg(any(test, target_family = "wasm"))]
+            on_script,
             cost,
             shown: None,
         })
@@ -282,7 +305,9 @@ impl<'a> Engine<'a> {
     fn change_device(&mut self) {
         self.sides = [None, None];
         self.device_name.clone_from(&self.wanted.device);
-        let is_processor = self.device_name == Devices::PROCESSOR;
+        let devices = &self.shared.settings.devices;
+        let by_script = devices.by_script.as_ref().is_some_and(|device| device.name == self.device_name);
+        let is_processor = self.device_name == Devices::PROCESSOR || by_script;
         let opened = (!is_processor).then(|| (self.shared.settings.devices.open)(&self.device_name));
         let refusal = opened.as_ref().and_then(|opened| opened.as_ref().err().cloned());
         self.device = opened.and_then(Result::ok);
@@ -433,13 +458,18 @@ impl<'a> Engine<'a> {
         let region = view.region();
         let film = LiveFilm::new(FilmSums::new(region.width, region.height));
         let (outcome, seconds) = self.render(side, &view, &film, 1, None);
-        let Some(work) = &mut self.sides[side] else { return };
         if outcome == Outcome::Finished {
-            work.cost = seconds / region.area() as f64;
-            work.preview = Some((fraction, film.into_sums()));
-            self.show(side);
-            self.report("preview", "");
+            self.show_preview(side, fraction, film.into_sums(), seconds / region.area() as f64);
         }
+    }
+
+    /// Shows one sample a pixel at a fraction of the resolution, whose paths took so long each \[s\].
+    fn show_preview(&mut self, side: usize, fraction: Fraction, sums: FilmSums, cost: f64) {
+        let Some(work) = &mut self.sides[side] else { return };
+        work.cost = cost;
+        work.preview = Some((fraction, sums));
+        self.show(side);
+        self.report("preview", "");
     }
 
     fn make_points(&mut self, side: usize) {
@@ -485,12 +515,18 @@ impl<'a> Engine<'a> {
         let (view, film) = (work.view.clone(), Arc::clone(&work.film));
         let (before, next) = (film.samples(), work.next_samples());
         let (outcome, seconds) = self.render(side, &view, &film, next, slice);
+        self.follow_samples(side, before, seconds, outcome);
+    }
+
+    /// Shows and tells what has become of a film that had fewer samples, which took so long \[s\].
+    fn follow_samples(&mut self, side: usize, before: u32, seconds: f64, outcome: Outcome) {
         let Some(work) = &mut self.sides[side] else { return };
+        let film = Arc::clone(&work.film);
         work.seconds += seconds;
         work.unfinished_seconds += seconds;
         let samples = film.samples();
         if samples > before {
-            let paths = u64::from(samples - before) * view.region().area();
+            let paths = u64::from(samples - before) * work.view.region().area();
             work.cost = std::mem::take(&mut work.unfinished_seconds) / paths as f64;
             work.preview = None;
         }
@@ -706,6 +742,11 @@ impl SideWork {
         // Every power of two is met, for the estimate of noise
         samples.saturating_add(more).min((samples + 1).next_power_of_two()).min(self.goal())
     }
+}
+
+/// Whether pixels are filtered alike.
+fn same_filter(a: &Film, b: &Film) -> bool {
+    (a.filter, a.filter_radius) == (b.filter, b.filter_radius)
 }
 
 /// Whether no pixel has more than so many samples, which could not be taken away again: where a rendering was interrupted,

@@ -43,4 +43,4 @@ mod worker;
 
 #[cfg(not(target_family = "wasm"))]
 pub use serve::{Page, ViewError};
-pub use settings::{Devices, OpenDevice, Settings};
+pub use settings::{Devices, OpenDevice, ScriptDevice, Settings};

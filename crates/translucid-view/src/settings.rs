@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use translucid_load::ExtendedBase;
-use translucid_render::device::TracingDevice;
+use translucid_render::device::{DeviceLimits, TracingDevice};
 use translucid_scene::{Scene, SceneError};
 
 /// The scene's origin, as pages and saved files state it.
@@ -29,6 +29,18 @@ pub struct Devices {
     pub open: Box<OpenDevice>,
     /// The device of the start.
     pub first: Option<Arc<dyn TracingDevice>>,
+    /// A device that a page's script drives, in a browser.
+    pub by_script: Option<ScriptDevice>,
+}
+
+/// A device that a page's script drives.
+pub struct ScriptDevice {
+    /// Its name among those of the devices.
+    pub name: String,
+    /// How much it holds.
+    pub limits: DeviceLimits,
+    /// Whether it traces from the start on.
+    pub is_first: bool,
 }
 
 /// Opens a device of a name.
@@ -43,7 +55,7 @@ impl Default for Devices {
     /// The processor alone.
     fn default() -> Self {
         let open = |name: &str| Err(format!("there is no device {name}"));
-        Self { names: Vec::new(), open: Box::new(open), first: None }
+        Self { names: Vec::new(), open: Box::new(open), first: None, by_script: None }
     }
 }
 

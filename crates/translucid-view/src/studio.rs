@@ -322,7 +322,9 @@ impl Studio {
     /// Lets pages choose from devices, beginning with the first one of a start.
     pub(crate) fn set_devices(&mut self, devices: &Devices) {
         self.devices.extend(devices.names.iter().cloned());
+        let by_script = devices.by_script.as_ref().filter(|device| device.is_first);
         let first = devices.first.as_ref().map(|device| device.name());
+        let first = first.or(by_script.map(|device| device.name.as_str()));
         self.device = first.and_then(|name| self.devices.iter().position(|known| known == name)).unwrap_or(0);
     }
 

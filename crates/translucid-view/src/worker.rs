@@ -12,8 +12,10 @@ use std::time::Duration;
 
 use serde_json::json;
 use tokio::sync::watch;
+use translucid_gpu::program;
 use translucid_load::{ExtendedBase, LoadOptions, give_file, load_scene, still_life};
 use translucid_render::PreparedScene;
+use translucid_render::device::DeviceLimits;
 use translucid_scene::{Scene, SceneError, SubsurfaceMethod, Warning};
 
 use crate::conversation::{Heard, hear, refusal};
@@ -21,7 +23,7 @@ use crate::engine::Engine;
 use crate::files::{PictureFormat, bring_environment, encode_picture};
 use crate::message::Side;
 use crate::page_state::PageState;
-use crate::settings::{Devices, Settings};
+use crate::settings::{Devices, ScriptDevice, Settings};
 use crate::shared::{Frame, Shared};
 
 /// Pixels of a film that nobody has chosen: a worker has one thread.
@@ -41,6 +43,8 @@ struct Desk {
     input: Vec<u8>,
     output: Vec<u8>,
     session: Option<Session>,
+    /// The graphics processor of the session to come.
+    device: Option<ScriptDevice>,
 }
 
 thread_local! {
@@ -78,6 +82,84 @@ extern "C" fn give(name: usize) {
     });
 }
 
+/// The kernels of pictures and what a script needs to know to have a graphics processor run them, as JSON.
+#[unsafe(no_mangle)]
+extern "C" fn program() {
+    let text = json!({
+        "code": program::SHADERS.concat(),
+        "kernels": program::KERNELS,
+        "slots": [program::SLOTS.0, program::SLOTS.1],
+        "slotBytes": program::SLOT_BYTES,
+        "counters": program::COUNTERS,
+        "listCounters": [program::LIST_COUNTERS.start, program::LIST_COUNTERS.end],
+        "settings": program::SETTINGS,
+        "sampleWords": program::SAMPLE_WORDS,
+        "mostRounds": program::MOST_ROUNDS,
+    });
+    DESK.with_borrow_mut(|desk| desk.output = text.to_string().into_bytes());
+}
+
+/// Offers the session to come a graphics processor whose name is the input and whose arrays hold so many bytes.
+#[unsafe(no_mangle)]
+extern "C" fn offer(array_bytes: f64, is_first: u32) {
+    DESK.with_borrow_mut(|desk| {
+        let name = String::from_utf8_lossy(&desk.input).into_owned();
+        let limits = DeviceLimits { array_bytes: array_bytes as u64 };
+        desk.device = Some(ScriptDevice { name, limits, is_first: is_first != 0 });
+    });
+}
+
+/// Puts the next job of the graphics processor into the output, as words: 1, 0 where there is none, or 2 where its kernels are
+/// wanted first.
+#[unsafe(no_mangle)]
+extern "C" fn job() -> u32 {
+    DESK.with_borrow_mut(|desk| {
+        let Some(engine) = desk.session.as_mut().map(|session| &mut session.engine) else { return 0 };
+        if engine.wants_kernels() {
+            return 2;
+        }
+        let Some(words) = engine.next_job() else { return 0 };
+        desk.output = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        1
+    })
+}
+
+/// Lets the graphics processor trace, whose kernels are made.
+#[unsafe(no_mangle)]
+extern "C" fn begin() {
+    DESK.with_borrow_mut(|desk| desk.session.iter_mut().for_each(|session| session.engine.begin_script()));
+}
+
+/// Whether the samples of a job are still of use: 1 or 0.
+#[unsafe(no_mangle)]
+extern "C" fn wants(job: u32) -> u32 {
+    DESK.with_borrow_mut(|desk| {
+        desk.session.as_mut().is_some_and(|session| session.engine.wants_job(job)).into()
+    })
+}
+
+/// Takes the samples of a job, which are the input as words; none where it was given up.
+#[unsafe(no_mangle)]
+extern "C" fn finish(job: u32) {
+    DESK.with_borrow_mut(|desk| {
+        let words: Vec<u32> = desk.input.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
+        if let Some(session) = &mut desk.session {
+            session.engine.finish_job(job, &words);
+        }
+    });
+}
+
+/// Does without the graphics processor from now on, for the reason that is the input.
+#[unsafe(no_mangle)]
+extern "C" fn lose() {
+    DESK.with_borrow_mut(|desk| {
+        let reason = String::from_utf8_lossy(&desk.input);
+        if let Some(session) = &mut desk.session {
+            session.engine.lose_script(&reason);
+        }
+    });
+}
+
 /// Begins the session with the file of the name that is the input, or the still life: 0, or 1 with the error.
 #[unsafe(no_mangle)]
 extern "C" fn open() -> u32 {
@@ -87,7 +169,7 @@ extern "C" fn open() -> u32 {
     }));
     DESK.with_borrow_mut(|desk| {
         let name = String::from_utf8_lossy(&desk.input).into_owned();
-        let opened = Session::open(&name).map(|session| desk.session = Some(session));
+        let opened = Session::open(&name, desk.device.take()).map(|session| desk.session = Some(session));
         desk.answer(opened.map(|()| Vec::new()))
     })
 }
@@ -223,12 +305,12 @@ struct Session {
 }
 
 impl Session {
-    fn open(name: &str) -> Result<Self, SceneError> {
+    fn open(name: &str, device: Option<ScriptDevice>) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
         let scene = load(name, Some(SIZE), &mut warnings)?;
         let prepared = PreparedScene::new(scene)?;
         let notes = prepared.notes().iter().map(ToString::to_string).collect();
-        let shared = Shared::new(prepared.scene(), prepared.picker(), notes, settings(name))?;
+        let shared = Shared::new(prepared.scene(), prepared.picker(), notes, settings(name, device))?;
         // For as long as the worker lives, which is that of the session
         let shared: &'static Shared = Box::leak(Box::new(shared));
         let engine = Engine::new(shared, prepared, &QUIT);
@@ -335,7 +417,8 @@ fn load(name: &str, size: Option<[u32; 2]>, warnings: &mut Vec<Warning>) -> Resu
     Ok(scene)
 }
 
-fn settings(name: &str) -> Settings {
+fn settings(name: &str, device: Option<ScriptDevice>) -> Settings {
+    let names = device.iter().map(|device| device.name.clone()).collect();
     let base = name.to_owned();
     let (name, extends) = if name.is_empty() { ("still life", "still-life") } else { (name, name) };
     Settings {
@@ -344,6 +427,6 @@ fn settings(name: &str) -> Settings {
         load_base: Box::new(move || load(&base, None, &mut Vec::new())),
         command: String::from("translucid view, in a browser"),
         options: String::new(),
-        devices: Devices::default(),
+        devices: Devices { names, by_script: device, ..Devices::default() },
     }
 }

@@ -1,5 +1,7 @@
 // A session in WebAssembly: hears what the page says between pieces of rendering, and lets other workers trace.
 
+import { findAdapter, Graphics } from "./graphics.js";
+
 /** Length of a step, in milliseconds. */
 const STEP = 40;
 /** Kinds of files as the module counts them. */
@@ -20,6 +22,8 @@ const { port1, port2 } = new MessageChannel();
 const idle = new Set();
 /** What a member is to trace once it has heard enough. */
 let held = null;
+/** The graphics processor that was found, the kernels on it once they are made, and whether it is at work. */
+let [found, graphics, isTracing] = [null, null, false];
 
 const page = {
     now: () => performance.now(),
@@ -58,6 +62,11 @@ const ACTIONS = {
         isMember = traces;
         module = (await WebAssembly.instantiate(compiled, { page })).exports;
         for (const file of files) named(file, module.give);
+        found = isMember ? null : await findAdapter();
+        if (found) {
+            put(encoder.encode(found.name));
+            module.offer(found.adapter.limits.maxStorageBufferBindingSize, Number(!found.isSlow));
+        }
         put(encoder.encode(name));
         const error = errorOf(module.open());
         postMessage(error ? { type: "refused", error } : { type: "opened" });
@@ -137,6 +146,32 @@ function trace() {
     port.postMessage(traced, [traced.buffer]);
 }
 
+/** Has the graphics processor do what is next, if it does nothing. */
+async function accelerate() {
+    const next = isTracing || !found ? 0 : module.job();
+    if (next === 0) return;
+    isTracing = true;
+    try {
+        if (next === 2) {
+            module.program();
+            graphics = await Graphics.open(found, JSON.parse(text()));
+            module.begin();
+        } else {
+            const job = output();
+            const number = new Uint32Array(job.buffer, 0, 1)[0];
+            put((await graphics.trace(job, () => module.wants(number))) ?? []);
+            module.finish(number);
+        }
+    } catch (error) {
+        // The processor goes on alone
+        found = null;
+        put(encoder.encode(error.message));
+        module.lose();
+    }
+    isTracing = false;
+    go();
+}
+
 /** Goes on after whatever the page has said by then. */
 function go() {
     clearTimeout(timer);
@@ -151,6 +186,7 @@ port1.onmessage = guarded(() => {
     isDue = false;
     const wait = module.step(STEP);
     deal();
+    accelerate();
     if (wait === 0) return go();
     pass();
     if (wait < 1e6) timer = setTimeout(go, wait);

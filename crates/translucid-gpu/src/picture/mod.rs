@@ -4,7 +4,6 @@
 //! surfaces, flights of walks, light samples. Nothing is followed to its end in one call, and a sample is a function of seed,
 //! pixel and number alone, whichever slot it had.
 
-mod camera;
 #[cfg(test)]
 mod evaluate;
 #[cfg(test)]
@@ -19,65 +18,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use glam::Vec3;
 use translucid_render::device::{DeviceLimits, DeviceScene, TracingDevice};
 use translucid_render::{PathTracing, PixelSample, View};
 
 use crate::device::{DISPATCH_TIME, Gpu};
-
-/// The shaders, in the order in which they read best.
-const SHADERS: &[&str] = &[
-    include_str!("shaders/kernels.wgsl"),
-    include_str!("shaders/camera.wgsl"),
-    include_str!("shaders/surface_step.wgsl"),
-    include_str!("shaders/walk_step.wgsl"),
-    include_str!("shaders/shadow.wgsl"),
-    include_str!("shaders/state.wgsl"),
-    include_str!("shaders/scene.wgsl"),
-    include_str!("shaders/material.wgsl"),
-    include_str!("shaders/point.wgsl"),
-    include_str!("shaders/ray.wgsl"),
-    include_str!("shaders/sampler.wgsl"),
-    include_str!("shaders/surface.wgsl"),
-    include_str!("shaders/interface.wgsl"),
-    include_str!("shaders/facets.wgsl"),
-    include_str!("shaders/light.wgsl"),
-    include_str!("shaders/light_selection.wgsl"),
-    include_str!("shaders/light_rectangle.wgsl"),
-    include_str!("shaders/light_ellipse.wgsl"),
-    include_str!("shaders/light_sphere.wgsl"),
-    include_str!("shaders/light_spot.wgsl"),
-    include_str!("shaders/light_cone.wgsl"),
-    include_str!("shaders/light_beam.wgsl"),
-    include_str!("shaders/light_distant.wgsl"),
-    include_str!("shaders/light_sky.wgsl"),
-    include_str!("shaders/light_triangle.wgsl"),
-    include_str!("shaders/light_directions.wgsl"),
-    include_str!("shaders/light_tables.wgsl"),
-];
-
-/// The kernels of a round, and how many slots one invocation each they need.
-const KERNELS: [(&str, u32); 8] = [
-    ("begin_samples", 1),
-    ("trace", 2),
-    ("end_flights", 1),
-    ("look", 2),
-    ("pass_on", 1),
-    ("meet_surfaces", 1),
-    ("sample_lights", 1),
-    ("scatter_paths", 1),
-];
-/// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
-const SLOT_BYTES: u64 = 1008;
-/// Counters before the lists of slots, those of the lists, and the lists.
-const COUNTERS: u64 = 9;
-const LIST_COUNTERS: Range<u64> = 2..9;
-/// Words of a sample.
-const SAMPLE_WORDS: usize = 20;
-/// Paths under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
-const SLOTS: (u32, u32) = (1 << 17, 1 << 12);
-/// Rounds between two looks at the counters, at most.
-const MOST_ROUNDS: u32 = 256;
+use crate::program::{
+    COUNTERS, EMPTY_NODE, KERNELS, LIST_COUNTERS, MOST_ROUNDS, SAMPLE_WORDS, SETTINGS, SHADERS, SLOT_BYTES, SLOTS,
+    samples as samples_of, settings,
+};
 
 /// A device that traces pictures: its kernels are made once for all scenes.
 #[derive(Debug)]
@@ -177,7 +125,7 @@ impl Tracing {
             filled(&scene.images),
         ];
         let lists = LIST_COUNTERS.end - LIST_COUNTERS.start;
-        let settings = gpu.buffer(4 * camera::SETTINGS as u64, Usage::UNIFORM | Usage::COPY_DST);
+        let settings = gpu.buffer(4 * SETTINGS as u64, Usage::UNIFORM | Usage::COPY_DST);
         let states = gpu.buffer(SLOT_BYTES * slots, Usage::STORAGE | Usage::COPY_DST);
         let queues =
             gpu.buffer(4 * (COUNTERS + lists * slots), Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC);
@@ -235,7 +183,7 @@ impl PathTracing for Tracing {
         use wgpu::BufferUsages as Usage;
         let gpu = &Arc::clone(&self.tracer).gpu;
         let items = (view.region().area() * numbers.len() as u64) as u32;
-        let words = camera::settings(view, numbers.start, items, self.tracer.slots);
+        let words = settings(view, numbers.start, items, self.tracer.slots);
         let bytes = 4 * (items as usize * SAMPLE_WORDS) as u64;
         let samples = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
         let read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
@@ -260,15 +208,9 @@ impl PathTracing for Tracing {
         encoder.copy_buffer_to_buffer(&samples, 0, &read, 0, bytes);
         gpu.queue.submit([encoder.finish()]);
         let words = gpu.read(&read)?;
-        Ok(Some(words.as_chunks().0.iter().map(sample).collect()))
+        Ok(Some(samples_of(&words)))
     }
 }
-
-/// A node that no ray meets.
-const EMPTY_NODE: [u32; 8] = {
-    let [high, low] = [f32::INFINITY.to_bits(), f32::NEG_INFINITY.to_bits()];
-    [high, high, high, 0, low, low, low, 0]
-};
 
 fn bindings(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
@@ -286,19 +228,4 @@ fn bindings(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     };
     let entries: Vec<_> = (0..9).map(entry).collect();
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-}
-
-fn sample(words: &[u32; SAMPLE_WORDS]) -> PixelSample {
-    let value = |at: usize| f32::from_bits(words[at]);
-    let color = |at: usize| Vec3::new(value(at), value(at + 1), value(at + 2));
-    PixelSample {
-        diffuse: color(0),
-        specular: color(3),
-        subsurface: color(6),
-        emission: color(9),
-        alpha: value(12),
-        albedo: color(13),
-        normal: color(16),
-        depth: value(19),
-    }
 }

@@ -14,7 +14,7 @@ use super::view::View;
 use crate::world::PixelSample;
 
 /// Samples of pixels that are traced at once, at the most: 40 MB.
-const AT_ONCE: u64 = 1 << 19;
+pub const AT_ONCE: u64 = 1 << 19;
 
 /// A scene on a device that traces its paths.
 pub trait PathTracing: Send {
@@ -80,8 +80,9 @@ fn first_gap(film: &LiveFilm, wanted: &Range<u32>) -> Option<Range<u32>> {
     sums.tiles.iter().filter_map(first).min_by_key(|gap| (gap.start, gap.end))
 }
 
-/// Adds samples of whole pictures to the tiles that lack them.
-fn add_samples(film: &LiveFilm, region: PixelRect, numbers: Range<u32>, samples: &[PixelSample]) {
+/// Adds samples of all pixels of a region that were traced elsewhere, number by number and row by row, to the tiles that lack
+/// them.
+pub fn add_samples(film: &LiveFilm, region: PixelRect, numbers: Range<u32>, samples: &[PixelSample]) {
     film.change(|sums| {
         let rects: Vec<PixelRect> = (0..sums.tiles.len()).map(|index| sums.tile_rect(index)).collect();
         let of_tile = |(tile, rect): (&mut TileSums, PixelRect)| {

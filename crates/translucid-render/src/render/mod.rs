@@ -21,8 +21,8 @@ mod traced_block;
 mod view;
 
 pub use cryptomatte::{MOST_MATTE_SAMPLES, matte_hash, matte_id};
-pub use device_passes::PathTracing;
 pub(crate) use device_passes::render_on;
+pub use device_passes::{AT_ONCE, PathTracing, add_samples};
 pub use film::{FilmSums, TileSums};
 pub use fingerprint::{Fingerprint, content_hash};
 pub use live_film::{FilmLayer, LiveFilm};

@@ -41,6 +41,11 @@ impl Dealt {
         Self { film, number: 0, left: blocks as u32 }
     }
 
+    /// Number of the film.
+    pub(super) fn film(&self) -> u32 {
+        self.film
+    }
+
     /// The next piece of samples from `first` to `end`, of which `blocks` gives the number of blocks.
     fn next(&mut self, side: usize, first: u32, end: u32, blocks: impl Fn(u32) -> usize) -> Option<Piece> {
         while self.left == 0 || self.number < first {
@@ -61,6 +66,9 @@ impl Engine<'_> {
     pub(crate) fn deal(&mut self) -> Option<Vec<u8>> {
         self.follow();
         let Work::Samples(side) = self.next_work() else { return None };
+        if self.is_for_script(side) {
+            return None;
+        }
         let work = self.sides[side].as_mut()?;
         let first = work.film.samples();
         let end = work.goal().min(first.saturating_add(1 + AHEAD));

@@ -84,6 +84,7 @@ fn pages_choose_who_traces() {
             _ => Err("its driver is too old".to_owned()),
         }),
         first: Some(device.clone()),
+        by_script: None,
     };
     let settings = Settings {
         name: String::from("ball"),
