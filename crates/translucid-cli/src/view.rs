@@ -4,9 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use translucid_gpu::Choice;
 use translucid_load::{ExtendedBase, LoadOptions, load_scene, still_life};
 use translucid_scene::Unit;
-use translucid_gpu::Choice;
 use translucid_view::{Devices, Page, Settings, ViewError};
 
 use crate::failure::Failure;
@@ -110,7 +110,8 @@ fn devices(name: &str) -> Result<Devices, Failure> {
     let choice = Choice::open_for_pictures(name).map_err(render::no_device)?;
     choice.note.iter().for_each(|note| messages::print_note(note));
     // A build without devices has none to choose from
-    let usable = translucid_gpu::devices().unwrap_or_default().into_iter().filter(|device| device.fault.is_none());
+    let usable =
+        translucid_gpu::devices().unwrap_or_default().into_iter().filter(|device| device.fault.is_none());
     let mut names = Vec::new();
     for device in usable {
         if !names.contains(&device.name) {

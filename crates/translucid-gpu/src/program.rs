@@ -54,8 +54,9 @@ pub const KERNELS: [(&str, u32); 8] = [
 ];
 /// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
 pub const SLOT_BYTES: u64 = 1008;
-/// Counters before the lists of slots, those of the lists, and the lists.
+/// Counters before the lists of slots.
 pub const COUNTERS: u64 = 9;
+/// Those of them that count the lists' slots.
 pub const LIST_COUNTERS: Range<u64> = 2..9;
 /// Words of a sample.
 pub const SAMPLE_WORDS: usize = 20;

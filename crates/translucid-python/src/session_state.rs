@@ -31,7 +31,13 @@ impl Facts {
         let film = session.view().film();
         Self {
             film: session.film(),
-            notes: session.prepared().notes().iter().map(ToString::to_string).chain(refusal(session)).collect(),
+            notes: session
+                .prepared()
+                .notes()
+                .iter()
+                .map(ToString::to_string)
+                .chain(refusal(session))
+                .collect(),
             exposure: film.exposure,
             tone_mapping: film.tone_mapping.name(),
             samples_per_pixel: session.prepared().scene().integrator.samples_per_pixel,

@@ -82,12 +82,14 @@ mod world;
 
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
-    AT_ONCE, Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, MOST_MATTE_SAMPLES,
-    Outcome, PathTracing, Picked, Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader,
-    ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums, TracedBlock, View, add_samples, content_hash,
-    is_shard, matte_hash, matte_id, save_shard,
+    AT_ONCE, Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm,
+    MOST_MATTE_SAMPLES, Outcome, PathTracing, Picked, Picker, PreparedScene, Renewed, SampleProgress,
+    SampleRanges, ShardHeader, ShardMerge, ShardNotes, ShardReader, ShardRun, TILE_SIZE, TileSums,
+    TracedBlock, View, add_samples, content_hash, is_shard, matte_hash, matte_id, save_shard,
 };
-pub use session::{CheckpointPlan, Event, Observer, OnDevice, Plan, RunningSession, Session, available_memory};
+pub use session::{
+    CheckpointPlan, Event, Observer, OnDevice, Plan, RunningSession, Session, available_memory,
+};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointPlan, PointProgress};
 pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

@@ -28,8 +28,8 @@ use serde_json::{Value, json};
 use translucid_laboratory::picture as laboratory;
 use translucid_render::device::TracingDevice;
 use translucid_render::{
-    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, OnDevice, Outcome, PointCloud, PointPass, PointProgress,
-    PreparedScene, View, available_memory,
+    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, OnDevice, Outcome, PointCloud, PointPass,
+    PointProgress, PreparedScene, View, available_memory,
 };
 use translucid_scene::{Film, SubsurfaceMethod};
 
@@ -317,8 +317,8 @@ impl<'a> Engine<'a> {
     /// Tells pages all notes of the scene, and why the processor traces in place of a device.
     fn tell_notes(&self, refusal: Option<&str>) {
         let refusal = refusal.map(|reason| format!("the processor traces: {reason}"));
-        let notes = self.prepared.notes().iter().map(ToString::to_string).chain(refusal);
-        self.shared.set_notes(notes.collect());
+        let notes = self.prepared.notes();
+        self.shared.set_notes(notes.iter().map(ToString::to_string).chain(refusal).collect());
     }
 
     /// Gives the prepared scene the images that pages have brought since.

@@ -18,10 +18,11 @@ pub struct Settings {
     pub command: String,
     /// Options that a command needs besides a saved scene.
     pub options: String,
+    /// What can trace paths.
     pub devices: Devices,
 }
 
-/// What can trace paths besides the processor, which messages call [`PROCESSOR`](Devices::PROCESSOR).
+/// Devices beside the processor, which messages call [`PROCESSOR`](Devices::PROCESSOR).
 pub struct Devices {
     /// Names from which a page chooses.
     pub names: Vec<String>,

@@ -75,7 +75,9 @@ impl Shared {
         let bounds = bounds(scene, &picker);
         let mut hello = json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera);
         hello["denoises"] = json!(denoiser.is_some());
-        let devices: Vec<_> = std::iter::once(Devices::PROCESSOR).chain(settings.devices.names.iter().map(String::as_str)).collect();
+        let devices: Vec<_> = std::iter::once(Devices::PROCESSOR)
+            .chain(settings.devices.names.iter().map(String::as_str))
+            .collect();
         hello["devices"] = json!(devices);
         Ok(Self {
             hello: hello.to_string(),

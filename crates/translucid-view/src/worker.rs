@@ -142,7 +142,8 @@ extern "C" fn wants(job: u32) -> u32 {
 #[unsafe(no_mangle)]
 extern "C" fn finish(job: u32) {
     DESK.with_borrow_mut(|desk| {
-        let words: Vec<u32> = desk.input.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
+        let words: Vec<u32> =
+            desk.input.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
         if let Some(session) = &mut desk.session {
             session.engine.finish_job(job, &words);
         }

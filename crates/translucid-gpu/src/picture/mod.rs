@@ -23,8 +23,8 @@ use translucid_render::{PathTracing, PixelSample, View};
 
 use crate::device::{DISPATCH_TIME, Gpu};
 use crate::program::{
-    COUNTERS, EMPTY_NODE, KERNELS, LIST_COUNTERS, MOST_ROUNDS, SAMPLE_WORDS, SETTINGS, SHADERS, SLOT_BYTES, SLOTS,
-    samples as samples_of, settings,
+    COUNTERS, EMPTY_NODE, KERNELS, LIST_COUNTERS, MOST_ROUNDS, SAMPLE_WORDS, SETTINGS, SHADERS, SLOT_BYTES,
+    SLOTS, samples as samples_of, settings,
 };
 
 /// A device that traces pictures: its kernels are made once for all scenes.

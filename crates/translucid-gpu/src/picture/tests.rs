@@ -283,7 +283,10 @@ fn scenes_that_devices_lack_something_for_are_refused_by_name() {
         let prepared = PreparedScene::new(scene(material, matte())).unwrap();
         let view = prepared.view().unwrap();
         let device: Arc<dyn TracingDevice> = tracer().clone();
-        let error = Session::new(prepared, view).set_device(Some(OnDevice::required(device))).unwrap_err().to_string();
+        let error = Session::new(prepared, view)
+            .set_device(Some(OnDevice::required(device)))
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(expected) && error.contains("material"), "{error}");
     }
 }

@@ -17,7 +17,7 @@ use crate::world::PixelSample;
 pub const AT_ONCE: u64 = 1 << 19;
 
 /// A scene on a device that traces its paths.
-pub trait PathTracing: Send {
+pub trait PathTracing: Send + Sync {
     /// Traces samples of some numbers of every pixel of a view's region: number by number, row by row. `progress` hears how
     /// many of them are done; `None` when stopped.
     ///

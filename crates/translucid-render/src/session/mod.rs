@@ -226,8 +226,8 @@ impl Session {
     /// Fingerprint of everything that the samples depend on: see [`PreparedScene::fingerprint`].
     fn fingerprint(&self) -> Fingerprint {
         let fingerprint = self.prepared.fingerprint(&self.view);
-        match &self.device {
-            Some(device) => fingerprint.traced_by(device.name()),
+        match self.on_device.as_ref().and_then(OnDevice::name) {
+            Some(device) => fingerprint.traced_by(device),
             None => fingerprint,
         }
     }

@@ -6,9 +6,7 @@ use std::sync::atomic::AtomicBool;
 use translucid_scene::SceneError;
 
 use crate::device::{DeviceScene, TracingDevice};
-use crate::render::{
-    Goal, LiveFilm, Outcome, PathTracing, PreparedScene, SampleProgress, View, render_on,
-};
+use crate::render::{Goal, LiveFilm, Outcome, PathTracing, PreparedScene, SampleProgress, View, render_on};
 
 /// A device, and the scene on it once a picture of it is asked for.
 pub struct OnDevice {
@@ -57,6 +55,11 @@ impl OnDevice {
             Err(error) => return Err(error),
         };
         Ok(())
+    }
+
+    /// Name of the device, unless the processor traces in its place.
+    pub fn name(&self) -> Option<&str> {
+        (!matches!(self.state, State::Refused(_))).then(|| self.device.name())
     }
 
     /// Why the processor traces in place of a preferred device, in words.

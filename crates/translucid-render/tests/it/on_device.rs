@@ -54,7 +54,9 @@ impl PathTracing for SameLight {
 }
 
 fn session() -> Session {
-    let prepared = prepare(scene(vec![sphere(1.0)], vec![matte(0.5)], uniform_environment(1.0)));
+    let mut scene = scene(vec![sphere(0.3, 8)], matte(Vec3::splat(0.5)));
+    scene.environment = uniform_environment(Vec3::ONE);
+    let prepared = prepare(scene);
     let view = prepared.view().unwrap();
     Session::new(prepared, view)
 }
@@ -74,7 +76,7 @@ fn device_takes_the_scene_anew_after_edits_alone() {
     let view = session.view().clone();
     session.set_view(view.with_region([0, 0, 5, 4]).unwrap());
     assert_eq!((middle(&mut session), device.opened.load(Ordering::Relaxed)), (7.0, 1));
-    session.edit(Edit::Material(0, Box::new(matte(0.2)))).unwrap();
+    session.edit(Edit::Material(0, Box::new(matte(Vec3::splat(0.2))))).unwrap();
     assert_eq!((middle(&mut session), device.opened.load(Ordering::Relaxed)), (7.0, 2));
     session.set_device(None).unwrap();
     assert!(middle(&mut session) < 1.0);

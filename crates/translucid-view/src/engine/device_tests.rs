@@ -95,8 +95,7 @@ fn pages_choose_who_traces() {
         devices,
     };
     let file = SceneFile::parse(BALL, Path::new("ball.toml")).unwrap();
-    let prepared =
-        PreparedScene::new(file.load(&LoadOptions::default(), &mut Vec::new()).unwrap()).unwrap();
+    let prepared = PreparedScene::new(file.load(&LoadOptions::default(), &mut Vec::new()).unwrap()).unwrap();
     let shared = Shared::new(prepared.scene(), prepared.picker(), Vec::new(), settings).unwrap();
     assert!(shared.hello.contains(r#""devices":["cpu","stand-in","broken"]"#), "{}", shared.hello);
     let quit = AtomicBool::new(false);
@@ -112,11 +111,17 @@ fn pages_choose_who_traces() {
     // What cannot be used, and what is lost on the way, leaves the work to the processor, which pages are told
     say(&shared, r#"{"type":"device","name":"broken"}"#);
     let (picture, notes) = rendered(&mut engine, &shared);
-    assert!(picture == by_processor && notes.contains("the processor traces: its driver is too old"), "{notes}");
+    assert!(
+        picture == by_processor && notes.contains("the processor traces: its driver is too old"),
+        "{notes}"
+    );
     say(&shared, r#"{"type":"device","name":"stand-in"}"#);
     device.is_lost.store(true, Ordering::Relaxed);
     let (picture, notes) = rendered(&mut engine, &shared);
-    assert!(picture == by_processor && notes.contains("the processor traces: the device was lost"), "{notes}");
+    assert!(
+        picture == by_processor && notes.contains("the processor traces: the device was lost"),
+        "{notes}"
+    );
 
     let answer = say(&shared, r#"{"type":"device","name":"gpu"}"#);
     assert!(answer.contains("must be one of cpu, stand-in, broken"), "{answer}");

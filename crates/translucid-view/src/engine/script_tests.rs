@@ -23,8 +23,7 @@ const BALL: &str = "unit = 'cm'\nfilm.size = [40, 30]\nintegrator.samples_per_pi
 fn shared(scene: &PreparedScene) -> Shared {
     let limits = DeviceLimits { array_bytes: 1 << 27 };
     let device = ScriptDevice { name: "WebGPU".to_owned(), limits, is_first: true };
-    let devices =
-        Devices { names: vec![device.name.clone()], by_script: Some(device), ..Devices::default() };
+    let devices = Devices { names: vec![device.name.clone()], by_script: Some(device), ..Devices::default() };
     let settings = Settings {
         name: String::from("ball"),
         base: ExtendedBase::default(),
@@ -73,8 +72,7 @@ fn middle(shared: &Shared) -> f64 {
 fn script_traces_what_it_can_and_the_processor_the_rest() {
     let quit = AtomicBool::new(false);
     let file = SceneFile::parse(BALL, Path::new("ball.toml")).unwrap();
-    let prepared =
-        PreparedScene::new(file.load(&LoadOptions::default(), &mut Vec::new()).unwrap()).unwrap();
+    let prepared = PreparedScene::new(file.load(&LoadOptions::default(), &mut Vec::new()).unwrap()).unwrap();
     let shared = shared(&prepared);
     let mut engine = Engine::new(&shared, prepared, &quit);
     // The processor goes ahead until the kernels are made
