@@ -59,12 +59,17 @@ impl Engine<'_> {
     /// Whether the device is wanted whose kernels the script has not made yet; the processor traces until they are.
     pub(crate) fn wants_kernels(&mut self) -> bool {
         self.follow();
-        self.is_by_script() && self.script.state == State::Unready
+        let wants = self.is_by_script() && self.script.state == State::Unready;
+        if wants {
+            self.tell_notes(Some("the graphics processor's programs are being made"));
+        }
+        wants
     }
 
     /// Lets the script trace, whose kernels are made.
     pub(crate) fn begin_script(&mut self) {
         self.script.state = State::Ready;
+        self.tell_notes(None);
     }
 
     fn is_by_script(&self) -> bool {

@@ -68,7 +68,7 @@ test("a connection that was lost comes back to the same state, and says so meanw
     const address = new URL(server.address);
     const between = await wire(Number(address.port));
     // The server answers to its own name only, so the browser is told another way to it.
-    const mapped = await launch(`--host-resolver-rules=MAP 127.0.0.1:${address.port} 127.0.0.1:${between.port}`);
+    const mapped = await launch({ more: [`--host-resolver-rules=MAP 127.0.0.1:${address.port} 127.0.0.1:${between.port}`] });
     const view = new View(await mapped.newPage(), server, folder);
     try {
         await view.load();

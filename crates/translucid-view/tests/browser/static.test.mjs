@@ -1,30 +1,18 @@
 // The page as files: its session runs in WebAssembly, and a server only hands the files out.
 //
-// TRANSLUCID_PAGE is the folder that `.ci/page` has laid out (target/page where it is not said).
+// `files.mjs` says where it lies.
 
 import assert from "node:assert/strict";
 import { copyFile, mkdtemp, readFile, rm } from "node:fs/promises";
-import { createServer } from "node:http";
 import { tmpdir } from "node:os";
-import { extname, join, normalize } from "node:path";
+import { join } from "node:path";
 import { after, test } from "node:test";
 
+import { drop, serveFiles } from "./files.mjs";
 import { difference, launch, SCENE, View } from "./view.mjs";
 
-const FOLDER = process.env.TRANSLUCID_PAGE ?? join(import.meta.dirname, "../../../../target/page");
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
-
-/** What was asked of the server. */
-const asked = [];
-const server = createServer(async (request, response) => {
-    asked.push(`${request.method} ${request.url}`);
-    const path = normalize(request.url === "/" ? "/index.html" : request.url);
-    const content = await readFile(join(FOLDER, path)).catch(() => null);
-    response.writeHead(content ? 200 : 404, { "content-type": TYPES[extname(path)] ?? "application/octet-stream" });
-    response.end(content);
-});
-await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
-const address = `http://127.0.0.1:${server.address().port}/`;
+const server = await serveFiles();
+const { address, asked } = server;
 const browser = await launch();
 const folder = await mkdtemp(join(tmpdir(), "translucid-page-"));
 after(async () => {
@@ -38,23 +26,9 @@ async function open() {
     return new View(await context.newPage(), { address }, folder);
 }
 
-/** Drops files on the page: `{ name: content }`. */
-async function drop(view, files) {
-    const contents = Object.entries(files).map(([name, content]) => [name, Buffer.from(content).toString("base64")]);
-    await view.page.evaluate((contents) => {
-        const dropped = new DataTransfer();
-        for (const [name, text] of contents) {
-            dropped.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
-        }
-        for (const type of ["dragenter", "dragover", "drop"]) {
-            document.body.dispatchEvent(new DragEvent(type, { bubbles: true, cancelable: true, dataTransfer: dropped }));
-        }
-    }, contents);
-}
-
 /** Drops a scene and waits until the page shows it. */
 async function shows(view, files, name) {
-    await drop(view, files);
+    await drop(view.page, files);
     await view.page.waitForFunction((name) => window.translucidView.hello?.name === name, name);
     await view.page.waitForFunction(() => window.translucidView.lastFrame?.number <= window.translucidView.painted.at(-1).number);
 }
@@ -164,10 +138,10 @@ test("pictures are saved", async () => {
 });
 
 test("a picture that is dropped becomes the environment, and one that is none is named", async () => {
-    await drop(view, { "sky.hdr": Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x40\x40\x40\x81", "latin1") });
+    await drop(view.page, { "sky.hdr": Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x40\x40\x40\x81", "latin1") });
     await view.page.waitForFunction(() => window.translucidView.state.images.some(({ name }) => name === "sky.hdr"));
     await view.done();
-    await drop(view, { "broken.hdr": "#?RADIANCE\nnonsense" });
+    await drop(view.page, { "broken.hdr": "#?RADIANCE\nnonsense" });
     await view.page.locator(".notice.error", { hasText: "broken.hdr" }).waitFor();
     await view.reset();
 });
@@ -189,7 +163,7 @@ test("a broken file is named, and the scene before it stays", async () => {
         [{ "broken.toml": 'unit = "cm"\n[film]\nexposure = 99\n' }, /broken\.toml.*exposure is 99/],
         [{ "lonely.toml": 'unit = "cm"\n[[object]]\nname = "a"\nfile = "missing.obj"\n' }, /missing\.obj does not exist/],
     ]) {
-        await drop(view, files);
+        await drop(view.page, files);
         const notice = view.page.locator(".notice.error").last();
         await view.page.waitForFunction(({ source }) => new RegExp(source).test(document.querySelector(".notice.error:last-child")?.textContent), { source: words.source });
         assert.match(await notice.textContent(), words);

@@ -19,13 +19,14 @@ export const COMMAND = process.env.TRANSLUCID ?? "translucid";
 export const SCENE = join(import.meta.dirname, "scene.toml");
 const ARGUMENTS = [
     "--no-sandbox",
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
 ];
+/** Graphics: none, or Chromium's own in software. */
+const GRAPHICS = { false: ["--disable-gpu"], true: ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"] };
 /** Longest wait for anything, in milliseconds. */
 const PATIENCE = 60_000;
 
@@ -49,8 +50,8 @@ export async function serve(...args) {
     return { address, process: server, stop };
 }
 
-export const launch = (...more) =>
-    chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...ARGUMENTS, ...more] });
+export const launch = ({ gpu = false, more = [] } = {}) =>
+    chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...ARGUMENTS, ...GRAPHICS[gpu], ...more] });
 
 /** A server and a browser for the tests of a file. */
 export async function start(...args) {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use translucid_load::{ExtendedBase, LoadOptions, still_life};
 use translucid_scene::Scene;
-use translucid_view::{Page, Settings};
+use translucid_view::{Devices, Page, Settings};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket};
