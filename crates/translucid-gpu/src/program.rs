@@ -28,6 +28,7 @@ pub const SHADERS: &[&str] = &[
     include_str!("picture/shaders/facets.wgsl"),
     include_str!("picture/shaders/light.wgsl"),
     include_str!("picture/shaders/light_selection.wgsl"),
+    include_str!("picture/shaders/light_tree.wgsl"),
     include_str!("picture/shaders/light_rectangle.wgsl"),
     include_str!("picture/shaders/light_ellipse.wgsl"),
     include_str!("picture/shaders/light_sphere.wgsl"),

@@ -11,12 +11,13 @@ use translucid_render::measure::LightSample;
 use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;
-use scenes::{Case, RED, all_kinds, delta_lights, many, maps, single_lights};
+use scenes::{Case, RED, all_kinds, by_power, delta_lights, many, maps, single_lights};
 
 const SHADERS: &[&str] = &[
     "const PI = 3.14159265358979f;\n",
     include_str!("shaders/light.wgsl"),
     include_str!("shaders/light_selection.wgsl"),
+    include_str!("shaders/light_tree.wgsl"),
     include_str!("shaders/light_rectangle.wgsl"),
     include_str!("shaders/light_ellipse.wgsl"),
     include_str!("shaders/light_sphere.wgsl"),
@@ -153,7 +154,7 @@ impl Moments {
 #[test]
 fn samples_have_the_means_of_the_processor() {
     let mut random = SplitMix(3);
-    for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many()]) {
+    for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many(), by_power()]) {
         let (set, words) = (light_set(&case.prepared), lights(&case.prepared).unwrap());
         let places: Vec<(Vec3, Vec3)> = case
             .points
@@ -189,7 +190,7 @@ fn samples_have_the_means_of_the_processor() {
 /// and its place has few digits. A ray may miss the rim of a light, or meet another light before it.
 #[test]
 fn samples_state_the_density_of_the_queries() {
-    for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many()]) {
+    for case in single_lights().into_iter().chain(maps()).chain([all_kinds(), many(), by_power()]) {
         let words = lights(&case.prepared).unwrap();
         let mut at = receivers(12_000, 7);
         at.extend(case.points.iter().map(|&point| (point, Vec3::ZERO)).cycle().take(4000));
@@ -254,7 +255,9 @@ fn rays_meet_the_lights_of_the_processor() {
             vec3f(inputs[i + 3], inputs[i + 4], inputs[i + 5]), inputs[i + 6], inputs[i + 7] > 0.0);
         outputs[o] = select(-1.0, hit.t, hit.is_hit);
         outputs[o + 1] = hit.radiance.x;";
-    for case in single_lights().into_iter().chain([all_kinds(), many()]).filter(|case| case.has_surface) {
+    for case in
+        single_lights().into_iter().chain([all_kinds(), many(), by_power()]).filter(|case| case.has_surface)
+    {
         let (set, words) = (light_set(&case.prepared), lights(&case.prepared).unwrap());
         let mut random = SplitMix(11);
         let mut ray = |(origin, _): (Vec3, Vec3)| {

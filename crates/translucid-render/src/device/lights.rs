@@ -1,12 +1,14 @@
 //! The lights of a scene as words. Whole numbers among floating-point ones are stated as such, which hold them exactly.
 //!
 //! ```text
-//! tables   0 number of placed lights, 1 of emissive triangles, 2 whether lights are weighed for each point,
+//! tables   0 number of placed lights, 1 of emissive triangles, 2 how one is selected: by power, weighed one by one, by a tree,
 //!          3 number of lights at infinity that rays meet, 4 where their numbers begin,
 //!          5 number of lights with a surface, 6 where their numbers begin,
-//!          7 number of the environment plus 1 (0: none), 8 whether the camera sees it, 9 where triangles begin
-//!          then the placed lights, those numbers, the tables of the environment's image, and the triangles
-//! images   where lights are not weighed, a choice among all of them by power;
+//!          7 number of the environment plus 1 (0: none), 8 whether the camera sees it, 9 where triangles begin,
+//!          10 where the numbers of lights beside the tree begin, 11 how many these are, 12 where the tree's lanes begin,
+//!          13 where each light's lane begins (−1 − place of those beside the tree), 14 where each node's lane begins
+//!          then the placed lights, those numbers, the tables of the environment's image, the triangles, and the tree
+//! images   where lights are selected by power, a choice among all of them by power;
 //!          of the environment's image a choice of a row of cells, one of a cell for each row, and the texels (red, green, blue)
 //!
 //! light    0 kind, 1 whether the camera sees it, 2 radiance (of a delta light intensity or irradiance), 5 shape:
@@ -32,11 +34,13 @@ use std::f64::consts::TAU;
 use glam::{Mat3, Vec3};
 use translucid_scene::SceneError;
 
-use crate::light::{EnvironmentMap, LightSet, PlacedLight, Rectangle, Sky};
+use crate::light::{
+    EnvironmentMap, LANE_WORDS, LightSet, LightTree, MOST_WEIGHED, PlacedLight, Rectangle, Sky,
+};
 use crate::render::PreparedScene;
 
 /// Words of the head, of a placed light, of a triangle and of an image.
-const HEADER: usize = 10;
+const HEADER: usize = 15;
 const LIGHT_WORDS: usize = 19;
 const TRIANGLE_WORDS: usize = 12;
 const MAP_HEADER: usize = 24;
@@ -69,8 +73,13 @@ pub const LIGHT_CONSTANTS: [(&str, usize); 13] = [
     ("LIGHT_MAP", MAP),
 ];
 
-/// Up to this many lights are weighed for each point.
-const MOST_WEIGHED: usize = 64;
+/// Ways to select a light.
+const BY_POWER: usize = 0;
+const WEIGHED: usize = 1;
+const BY_TREE: usize = 2;
+
+/// Largest light tree: its words have places that single precision tells apart.
+const MOST_TREE_WORDS: usize = 1 << 22;
 
 /// Lights with a surface, and lights at infinity, are tried one by one.
 const MOST_TRIED: usize = 4096;
@@ -115,9 +124,12 @@ fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
             return Err(SceneError::new(message));
         }
     }
-    let is_weighed = set.emitters.len() <= MOST_WEIGHED;
+    let tree = set.selection.tree().filter(|(tree, apart)| {
+        apart.len() <= MOST_WEIGHED && tree.lanes().len() * LANE_WORDS <= MOST_TREE_WORDS
+    });
+    let way = if set.emitters.len() <= MOST_WEIGHED { WEIGHED } else { tree.map_or(BY_POWER, |_| BY_TREE) };
     let mut images = Vec::new();
-    if !is_weighed {
+    if way == BY_POWER {
         let power = |light| f64::from(set.emitters.power(light, set.cross_section));
         images.extend(choice(&(0..set.emitters.len()).map(power).collect::<Vec<_>>()));
     }
@@ -143,11 +155,14 @@ fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
         let words = triangle.vertices.into_iter().chain([triangle.radiance]);
         tables.extend(words.flat_map(|vector| vector.to_array()));
     }
-    debug_assert_eq!(tables.len(), triangles_at + triangles.len() * TRIANGLE_WORDS);
+    let mut tree_places = [0.0; 5];
+    if let (BY_TREE, Some((tree, apart))) = (way, tree) {
+        tree_places = push_tree(tree, apart, &mut tables);
+    }
     let header = [
         number(sources.len()),
         number(triangles.len()),
-        flag(is_weighed),
+        number(way),
         number(set.infinite.len()),
         number(infinite_at),
         number(surfaces.len()),
@@ -156,9 +171,29 @@ fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
         flag(set.environment_visible()),
         number(triangles_at),
     ];
-    tables[..HEADER].copy_from_slice(&header);
+    tables[..HEADER].copy_from_slice(&words(&[&header, &tree_places]));
     let primitives = triangles.iter().map(|triangle| triangle.primitive).collect();
     Ok(LightWords { tables, images, primitives })
+}
+
+/// Puts the tree behind the tables: the last words of the head.
+fn push_tree(tree: &LightTree, apart: &[usize], tables: &mut Vec<f32>) -> [f32; 5] {
+    let mut append = |words: &mut dyn Iterator<Item = f32>| {
+        let at = number(tables.len());
+        tables.extend(words);
+        at
+    };
+    let (parents, leaves) = tree.places();
+    let place_beside = |light| apart.binary_search(&light).map_or(0.0, |place| -1.0 - number(place));
+    let leaf = |(light, &leaf): (usize, &u32)| {
+        if tree.holds(light) { leaf as f32 } else { place_beside(light) }
+    };
+    let parent = |&parent: &u32| if parent == u32::MAX { 0.0 } else { parent as f32 };
+    let apart_at = append(&mut apart.iter().map(|&light| number(light)));
+    let lanes_at = append(&mut tree.lanes().into_iter().flatten());
+    let leaves_at = append(&mut leaves.iter().enumerate().map(leaf));
+    let parents_at = append(&mut parents.iter().map(parent));
+    [apart_at, number(apart.len()), lanes_at, leaves_at, parents_at]
 }
 
 fn number(of: usize) -> f32 {

@@ -59,8 +59,10 @@ pub(crate) use receiver::luminance;
 pub(crate) use rectangle::Rectangle;
 use refracted::DeltaLights;
 pub(crate) use refracted::refracted_pdf;
+pub(crate) use selection::MOST_WEIGHED;
 use selection::Selection;
 use surfaces::Surfaces;
+pub(crate) use tree::{LANE_WORDS, LightTree};
 
 pub use selection::LightSelection;
 pub use triangle::EmissiveTriangle;
@@ -125,7 +127,7 @@ impl LightHit {
 #[derive(Clone, Debug)]
 pub struct LightSet {
     pub(crate) emitters: Emitters,
-    selection: Selection,
+    pub(crate) selection: Selection,
     surfaces: Surfaces,
     delta: Option<DeltaLights>,
     /// The environment and the discs among the sources.

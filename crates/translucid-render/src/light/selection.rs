@@ -72,6 +72,11 @@ impl Selection {
         }
     }
 
+    /// The tree, and the numbers of the lights beside it in rising order, where one is used.
+    pub(crate) fn tree(&self) -> Option<(&LightTree, &[usize])> {
+        if let Self::Tree { tree, apart } = self { Some((tree, &apart.lights)) } else { None }
+    }
+
     /// Selects a light; returns its number and its probability. None if no light can contribute.
     #[inline]
     pub(crate) fn choose(&self, emitters: &Emitters, receiver: &Receiver, u: f64) -> Option<(usize, f32)> {

@@ -255,6 +255,18 @@ pub(super) fn many() -> Case {
     Case { peak: 30.0, ..Case::new("many", lights, triangles, Some(sunny(64, 32, 3.0))) }
 }
 
+/// More lights that no tree holds than are weighed one by one, and some that one would hold.
+pub(super) fn by_power() -> Case {
+    let mut lights = each_kind();
+    let distant = |i: usize| Light::Distant {
+        direction: Vec3::new((i as f32).cos(), (i as f32).sin(), 1.0).normalize(),
+        angular_radius: 3.0,
+        irradiance: RED * 0.1 * (1 + i % 3) as f32,
+    };
+    lights.extend((0..40).map(distant));
+    Case { peak: 100.0, ..Case::new("by power", lights, triangles(), Some(sunny(64, 32, 3.0))) }
+}
+
 /// So many spheres.
 pub(super) fn spheres(count: usize) -> Case {
     let lights = (0..count).map(|i| sphere(Vec3::X * (i as f32 + 2.0), 0.1)).collect();

@@ -275,7 +275,7 @@ fn infinite_light_pdf(odds: LightOdds, normal: vec3f, direction: vec3f) -> f32 {
             density = sky_pdf(at, normal, direction);
         }
         if (density > 0.0) {
-            sum += light_probability(odds, light) * density;
+            sum += probability_beside_tree(odds, light) * density;
         }
     }
     return sum;

@@ -41,6 +41,9 @@ pub(crate) const WIDTH: usize = 8;
 /// Nodes that a point chooses from at once; see the head of the file.
 const OPENED: usize = 4;
 
+/// Words of a lane for devices.
+pub(crate) const LANE_WORDS: usize = 20;
+
 /// Marks a child that is a light.
 const LEAF: u32 = 1 << 31;
 
@@ -321,6 +324,39 @@ impl LightTree {
             }
         }
         Some(Self { nodes, parents, leaves })
+    }
+
+    /// All lanes of all nodes as words: center, half size, radius, axis, cos θ_o, sin θ_o, cos θ_e, strength, mean, lean,
+    /// alike, child (0 none, a node's number + 1, −(a light's number + 1)).
+    pub(crate) fn lanes(&self) -> Vec<[f32; LANE_WORDS]> {
+        let lane = |node: &LightNode, lane: usize| {
+            let of = |lanes: &LightLanes| lanes[lane / 4][lane % 4];
+            let [center, half, axis, lean] = [&node.center, &node.half_size, &node.axis, &node.lean]
+                .map(|vector| vector.each_ref().map(of));
+            let child = match node.child(lane) {
+                None => 0.0,
+                Some(LightChild::LightNode(node)) => node as f32 + 1.0,
+                Some(LightChild::Light(light)) => -(light as f32 + 1.0),
+            };
+            let mut words = [0.0; LANE_WORDS];
+            words[..3].copy_from_slice(&center);
+            words[3..6].copy_from_slice(&half);
+            words[6] = of(&node.radius);
+            words[7..10].copy_from_slice(&axis);
+            words[10..15].copy_from_slice(
+                &[&node.cos_o, &node.sin_o, &node.cos_e, &node.strength, &node.mean].map(of),
+            );
+            words[15..18].copy_from_slice(&lean);
+            words[18..].copy_from_slice(&[of(&node.alike), child]);
+            words
+        };
+        self.nodes.iter().flat_map(|node| (0..WIDTH).map(move |index| lane(node, index))).collect()
+    }
+
+    /// For each node the place of the lane that it is in, and for each light that of its lane, as node × `WIDTH` + lane; the
+    /// greatest number where there is none.
+    pub(crate) fn places(&self) -> (&[u32], &[u32]) {
+        (&self.parents, &self.leaves)
     }
 
     /// The weights of the root's lanes.
