@@ -81,6 +81,8 @@ struct SideWork {
     points: Option<PointCloud>,
     /// Who traces paths in the processor's place.
     on_device: Option<OnDevice>,
+    /// Why it does not.
+    refusal: Option<String>,
     /// Whether the script's device has the scene, or cannot take it.
     #[cfg(any(test, target_family = "wasm"))]
     on_script: script::Scene,
@@ -120,6 +122,8 @@ pub(crate) struct Engine<'a> {
     /// The device that traces in the processor's place, and its name.
     device: Option<Arc<dyn TracingDevice>>,
     device_name: String,
+    /// Why it cannot be used.
+    device_fault: Option<String>,
     /// What a page's script traces.
     #[cfg(any(test, target_family = "wasm"))]
     script: script::Script,
@@ -148,6 +152,7 @@ impl<'a> Engine<'a> {
             images: 0,
             device: shared.settings.devices.first.clone(),
             device_name: wanted.device.clone(),
+            device_fault: None,
             #[cfg(any(test, target_family = "wasm"))]
             script: script::Script::default(),
             #[cfg(any(test, target_family = "wasm"))]
@@ -272,7 +277,8 @@ impl<'a> Engine<'a> {
         let has_same_filter = old.as_ref().is_some_and(|old| same_filter(old.view.film(), &film));
         #[cfg(any(test, target_family = "wasm"))]
         let on_script = old.as_ref().filter(|_| has_same_filter).map(|old| old.on_script).unwrap_or_default();
-        let (points, on_device) = old.map_or((None, None), |old| (old.points, old.on_device));
+        let (points, on_device, refusal) =
+            old.map_or((None, None, None), |old| (old.points, old.on_device, old.refusal));
         let on_device = on_device.filter(|_| has_same_filter);
         let points = points.filter(|points| self.prepared.points_serve(points, &view));
         let on_device = on_device.or_else(|| self.device.clone().map(OnDevice::preferred));
@@ -294,6 +300,7 @@ impl<'a> Engine<'a> {
             noise: None,
             points,
             on_device,
+            refusal,
             #[cfg(any(test, target_family = "wasm"))]
             on_script,
             cost,
@@ -309,16 +316,24 @@ impl<'a> Engine<'a> {
         let by_script = devices.by_script.as_ref().is_some_and(|device| device.name == self.device_name);
         let is_processor = self.device_name == Devices::PROCESSOR || by_script;
         let opened = (!is_processor).then(|| (self.shared.settings.devices.open)(&self.device_name));
-        let refusal = opened.as_ref().and_then(|opened| opened.as_ref().err().cloned());
+        self.device_fault = opened.as_ref().and_then(|opened| opened.as_ref().err().cloned());
         self.device = opened.and_then(Result::ok);
-        self.tell_notes(refusal.as_deref());
+        #[cfg(any(test, target_family = "wasm"))]
+        self.recall_loss();
+        self.tell_notes();
     }
 
     /// Tells pages all notes of the scene, and why the processor traces in place of a device.
-    fn tell_notes(&self, refusal: Option<&str>) {
-        let refusal = refusal.map(|reason| format!("the processor traces: {reason}"));
-        let notes = self.prepared.notes();
-        self.shared.set_notes(notes.iter().map(ToString::to_string).chain(refusal).collect());
+    fn tell_notes(&self) {
+        let mut notes: Vec<String> = self.prepared.notes().iter().map(ToString::to_string).collect();
+        let refusals = self.sides.iter().flatten().filter_map(|work| work.refusal.as_ref());
+        for reason in self.device_fault.iter().chain(refusals) {
+            let note = format!("the processor traces: {reason}");
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        self.shared.set_notes(notes);
     }
 
     /// Gives the prepared scene the images that pages have brought since.
@@ -342,7 +357,7 @@ impl<'a> Engine<'a> {
         let edits = self.look.edits_to(&look);
         if !edits.is_empty() {
             edits.into_iter().for_each(|edit| self.edit(edit));
-            self.tell_notes(None);
+            self.tell_notes();
         }
         self.look = look;
         if self.prepared.wants_points()
@@ -418,7 +433,9 @@ impl<'a> Engine<'a> {
         slice: Option<Duration>,
     ) -> (Outcome, f64) {
         let start = Instant::now();
-        let mut on_device = self.sides[side].as_mut().and_then(|work| work.on_device.take());
+        let work = self.sides[side].as_mut();
+        let (mut on_device, mut refusal) =
+            work.map_or((None, None), |work| (work.on_device.take(), work.refusal.clone()));
         let is_over = AtomicBool::new(false);
         let watch = |_| {
             is_over.store(slice.is_some_and(|slice| start.elapsed() >= slice), Ordering::Relaxed);
@@ -431,21 +448,21 @@ impl<'a> Engine<'a> {
         let outcome = match &mut on_device {
             None => on_processor(),
             Some(device) => {
-                let known = device.refusal().is_some();
                 let result = device.render(&self.prepared, view, film, &goal, &watch, &self.shared.stop);
-                if let Some(reason) = device.refusal().filter(|_| !known) {
-                    self.tell_notes(Some(reason));
-                }
+                refusal = device.refusal().map(str::to_owned);
                 result.unwrap_or_else(|error| {
                     // A device that has failed is not asked again before something changes
-                    self.tell_notes(Some(&error.to_string()));
-                    on_device = None;
+                    (refusal, on_device) = (Some(error.to_string()), None);
                     on_processor()
                 })
             }
         };
         if let Some(work) = &mut self.sides[side] {
-            work.on_device = on_device;
+            let is_told = work.refusal == refusal;
+            (work.on_device, work.refusal) = (on_device, refusal);
+            if !is_told {
+                self.tell_notes();
+            }
         }
         let outcome = if is_over.into_inner() { Outcome::TimeUp } else { outcome };
         (outcome, start.elapsed().as_secs_f64())

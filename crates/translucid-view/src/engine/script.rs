@@ -32,6 +32,8 @@ pub(super) struct Script {
     jobs: u32,
     job: Option<Job>,
     state: State,
+    /// Why the device is lost.
+    loss: Option<String>,
 }
 
 /// Whether a script's device can trace.
@@ -61,7 +63,8 @@ impl Engine<'_> {
         self.follow();
         let wants = self.is_by_script() && self.script.state == State::Unready;
         if wants {
-            self.tell_notes(Some("the graphics processor's programs are being made"));
+            self.device_fault = Some("the graphics processor's programs are being made".to_owned());
+            self.tell_notes();
         }
         wants
     }
@@ -69,7 +72,8 @@ impl Engine<'_> {
     /// Lets the script trace, whose kernels are made.
     pub(crate) fn begin_script(&mut self) {
         self.script.state = State::Ready;
-        self.tell_notes(None);
+        self.device_fault = None;
+        self.tell_notes();
     }
 
     fn is_by_script(&self) -> bool {
@@ -103,10 +107,10 @@ impl Engine<'_> {
         if is_new {
             let device = self.shared.settings.devices.by_script.as_ref()?;
             let taken = DeviceScene::new(&self.prepared, &work.view, &device.limits);
-            let refusal = taken.as_ref().err().map(ToString::to_string);
-            self.sides[side].as_mut()?.on_script =
-                if refusal.is_none() { Scene::Given } else { Scene::Refused };
-            self.tell_notes(refusal.as_deref());
+            let work = self.sides[side].as_mut()?;
+            work.refusal = taken.as_ref().err().map(ToString::to_string);
+            work.on_script = if work.refusal.is_none() { Scene::Given } else { Scene::Refused };
+            self.tell_notes();
             scene = arrays(taken.ok()?);
         }
 
@@ -167,7 +171,16 @@ impl Engine<'_> {
     /// Leaves the script's job, and all pictures from now on, to the processor, for a reason in words.
     pub(crate) fn lose_script(&mut self, reason: &str) {
         (self.script.job, self.script.state) = (None, State::Lost);
-        self.tell_notes(Some(reason));
+        self.script.loss = Some(reason.to_owned());
+        self.recall_loss();
+        self.tell_notes();
+    }
+
+    /// A device that is lost is still so where it is chosen again.
+    pub(super) fn recall_loss(&mut self) {
+        if self.is_by_script() && self.script.state == State::Lost {
+            self.device_fault.clone_from(&self.script.loss);
+        }
     }
 }
 

@@ -18,7 +18,8 @@ use crate::shared::Shared;
 
 const BALL: &str = "unit = 'cm'\nfilm.size = [40, 30]\nintegrator.samples_per_pixel = 3\nenvironment.radiance = 1\n\
     [[object]]\nname = 'ball'\nshape = 'sphere'\nradius = 1\nmaterial = 'wax'\n\
-    [[material]]\nname = 'wax'\nbase_color = 0.5\n";
+    [[material]]\nname = 'wax'\nsubsurface_weight = 1\nsubsurface_color = 0.5\nsubsurface_radius = 0.1\n\
+    subsurface_model = 'random-walk'\n";
 
 fn shared(scene: &PreparedScene) -> Shared {
     let limits = DeviceLimits { array_bytes: 1 << 27 };
@@ -108,11 +109,18 @@ fn script_traces_what_it_can_and_the_processor_the_rest() {
 
     // What the device cannot take, and all once it is lost, is the processor's, and pages are told
     let notes = || shared.state.borrow().parts["notes"].to_string();
+    say(&shared, r#"{"type":"material","index":0,"set":{"subsurface_model":"dipole"}}"#);
     say(&shared, r#"{"type":"integrator","set":{"subsurface_method":"point-based"}}"#);
-    assert_eq!(work(&mut engine), (0, 0));
+    assert_eq!(work(&mut engine), (0, 0), "{}", notes());
     assert!(notes().contains("the processor traces: integrator.subsurface_method"), "{}", notes());
     say(&shared, r#"{"type":"integrator","set":{"subsurface_method":"ray-traced"}}"#);
     engine.lose_script("it hung");
     assert_eq!(work(&mut engine), (0, 0));
     assert!(middle(&shared) < 1.0 && notes().contains("the processor traces: it hung"), "{}", notes());
+    say(&shared, r#"{"type":"device","name":"cpu"}"#);
+    work(&mut engine);
+    assert_eq!(notes(), "[]");
+    say(&shared, r#"{"type":"device","name":"WebGPU"}"#);
+    work(&mut engine);
+    assert!(notes().contains("it hung"), "{}", notes());
 }

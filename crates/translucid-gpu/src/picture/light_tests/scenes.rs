@@ -261,7 +261,7 @@ pub(super) fn by_power() -> Case {
     let distant = |i: usize| Light::Distant {
         direction: Vec3::new((i as f32).cos(), (i as f32).sin(), 1.0).normalize(),
         angular_radius: 3.0,
-        irradiance: RED * 0.1 * (1 + i % 3) as f32,
+        irradiance: COLOR * 0.1 * (1 + i % 3) as f32,
     };
     lights.extend((0..40).map(distant));
     Case { peak: 100.0, ..Case::new("by power", lights, triangles(), Some(sunny(64, 32, 3.0))) }
