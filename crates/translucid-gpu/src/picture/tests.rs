@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use glam::{Affine2, Vec2};
+use glam::{Affine2, Vec2, Vec3};
 use translucid_profile::Model;
 use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
