@@ -57,11 +57,16 @@ const SKY: usize = 7;
 const MAP: usize = 8;
 
 /// These constants by their names in the shaders.
-pub const LIGHT_CONSTANTS: [(&str, usize); 13] = [
+pub const LIGHT_CONSTANTS: [(&str, usize); 18] = [
     ("LIGHT_HEADER", HEADER),
     ("LIGHT_WORDS", LIGHT_WORDS),
     ("LIGHT_TRIANGLE_WORDS", TRIANGLE_WORDS),
     ("MAP_HEADER", MAP_HEADER),
+    ("MOST_WEIGHED", MOST_WEIGHED),
+    ("BY_POWER", BY_POWER),
+    ("WEIGHED", WEIGHED),
+    ("BY_TREE", BY_TREE),
+    ("TREE_LANE", LANE_WORDS),
     ("LIGHT_RECTANGLE", RECTANGLE),
     ("LIGHT_ELLIPSE", ELLIPSE),
     ("LIGHT_SPHERE", SPHERE),

@@ -10,7 +10,7 @@
 var<private> lights_at: u32;
 
 // Words of the head, of a placed light and of an emissive triangle.
-const LIGHT_HEADER = 10u;
+const LIGHT_HEADER = 15u;
 const LIGHT_WORDS = 19u;
 const LIGHT_TRIANGLE_WORDS = 12u;
 

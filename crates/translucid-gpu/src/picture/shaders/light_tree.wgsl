@@ -9,6 +9,8 @@
 // mean, lean, alike, child (0 none, a node's number + 1, −(a light's number + 1)).
 const TREE_WIDTH = 8u;
 const TREE_LANE = 20u;
+// Nodes from the root to a light, at most.
+const TREE_DEPTH = 64u;
 // Share of a node's samples that goes evenly to all children that can contribute, in case the important ones are hidden.
 const TREE_EVEN_SHARE = 0.02f;
 // Room for rounding in the cosines of cones, and in the height above the horizon.
@@ -103,7 +105,7 @@ fn tree_choose(word: u32, point: vec3f, normal: vec3f) -> LightChoice {
     var state = word;
     var probability = 1.0;
     var node = 0u;
-    loop {
+    for (var depth = 0u; depth < TREE_DEPTH; depth++) {
         let sums = tree_weigh(node, point, normal);
         if (!(sums.x > 0.0)) {
             return LightChoice(0u, 0.0);
@@ -133,13 +135,14 @@ fn tree_choose(word: u32, point: vec3f, normal: vec3f) -> LightChoice {
         }
         node = u32(child) - 1u;
     }
+    return LightChoice(0u, 0.0);
 }
 
 // Probability with which `tree_choose` selects the light in a lane, counted over all nodes.
 fn tree_probability(leaf: u32, point: vec3f, normal: vec3f) -> f32 {
     var probability = 1.0;
     var place = leaf;
-    loop {
+    for (var depth = 0u; depth < TREE_DEPTH; depth++) {
         let node = place / TREE_WIDTH;
         let sums = tree_weigh(node, point, normal);
         probability *= tree_share(place % TREE_WIDTH, sums);
@@ -148,4 +151,5 @@ fn tree_probability(leaf: u32, point: vec3f, normal: vec3f) -> f32 {
         }
         place = light_number(light_number(14u) + node);
     }
+    return 0.0;
 }
