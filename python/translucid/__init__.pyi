@@ -232,6 +232,11 @@ def convert(
     to: str | Iterable[str] = (),
     settings: Mapping[str, Mapping[str, float]] | None = None,
     configuration: _Configuration = "diffuse",
+    color_space: _LinearSpace | None = None,
+    from_color_space: _LinearSpace = "lin_rec709",
+    thin: float | None = None,
+    thin_g: float = 0.0,
+    thin_eta: float = 1.0,
     **parameters: ArrayLike,
 ) -> Conversion: ...
 
