@@ -19,7 +19,7 @@ use self::thin::ThinArguments;
 use crate::failure::Failure;
 use crate::messages;
 use crate::model::{ConfigurationName, UnitName};
-use crate::table::{ReadableFormat, print};
+use crate::table::ReadableFormat;
 
 const EXAMPLES: &str = "\
 Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps), source of the rule:
@@ -117,7 +117,7 @@ const NAMES: ArgumentNames = ArgumentNames {
 /// Runs the verb.
 pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if arguments.from == ["list"] {
-        return print(&output::list());
+        return output::write_text(&output::list(), arguments.output.as_deref());
     }
     arguments.thin.require_slab()?;
     if let (Some(paths), Some(spaces), Some(output)) =

@@ -172,7 +172,8 @@ mod tests {
         let wrong = Wish { color_space: Some("srgb".to_owned()), thin: None };
         let notes = numbers(&skin, Unit::Millimeter, &wrong)["notes"].to_string();
         assert!(notes.contains("must be one of lin_rec709"), "{notes}");
-        let notes = numbers(&skin, Unit::Millimeter, &Wish { thin: Some(-1.0), ..Wish::default() })["notes"].to_string();
+        let notes = numbers(&skin, Unit::Millimeter, &Wish { thin: Some(-1.0), ..Wish::default() })["notes"]
+            .to_string();
         assert!(notes.contains("thickness is -1, but must be finite and above 0"), "{notes}");
     }
 

@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 use translucid_laboratory::stack::{thin_wall_numbers, wall_slab_numbers};
 use translucid_profile::convention::{
-    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, LINEAR_SPACES, Parameter, Preset,
-    Role, Setting, System, Unit,
+    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, LINEAR_SPACES, Parameter,
+    Preset, Role, Setting, System, Unit,
 };
 use translucid_profile::{Configuration, ParameterError};
 

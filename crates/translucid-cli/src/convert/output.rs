@@ -19,7 +19,12 @@ pub(super) fn write(
 ) -> Result<(), Failure> {
     let rows: Vec<Vec<Cell>> = numbers.iter().map(cells).collect();
     let text = format.text(&COLUMNS, &rows, || paragraphs(numbers));
-    let Some(path) = path else { return print(&text) };
+    write_text(&text, path)
+}
+
+/// Writes a text to a file or to stdout.
+pub(super) fn write_text(text: &str, path: Option<&Path>) -> Result<(), Failure> {
+    let Some(path) = path else { return print(text) };
     check_writable(path)?;
     write_file(path, text.as_bytes())
 }

@@ -18,7 +18,13 @@ pub(super) struct ThinArguments {
         conflicts_with_all = ["from", "surface_albedo", "color_space", "to", "set", "to_unit"])]
     wall_color: Vec<f64>,
     /// Share of the surface's light that goes to the other side, in (0, 1], one or three
-    #[arg(long, value_name = "SHARE", value_delimiter = ',', allow_negative_numbers = true, requires = "wall_color")]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        requires = "wall_color"
+    )]
     wall_balance: Vec<f64>,
     /// Mean cosine of the slab's phase function, in [-0.95, 0.95] [default: 0]
     #[arg(long, allow_negative_numbers = true)]

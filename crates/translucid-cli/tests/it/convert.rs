@@ -339,6 +339,11 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-walk"),
         ("--from maya:dmfp=2 --surface-albedo 0.5", "known are translucid"),
         (
+            "--from unreal-5.2:MeanFreePathDistance=1 --surface-albedo 0.5",
+            "did you mean unreal (5.1 and later) or",
+        ),
+        ("--from translucid:d=1 --surface-albedo 0.5 --to blender", "or cycles-walk (5.2 and 5.3) or"),
+        (
             "--from renderman:dmpf=2 --surface-albedo 0.5",
             "did you mean dmfp? Known are dmfp, dmfpColor, unitLength",
         ),
@@ -370,10 +375,7 @@ fn wrong_input_is_told_what_is_allowed() {
             "--to leaves out",
         ),
         ("--from translucid:d=1 --surface-albedo 0.5 --unit inch", "--unit"),
-        (
-            "--from gltf:attenuationDistance=1 --surface-albedo 0.5",
-            "--from gltf:attenuationColor is missing",
-        ),
+        ("--from gltf:attenuationDistance=1 --surface-albedo 0.5", "--from gltf:attenuationColor is missing"),
         (
             "--from gltf:attenuationColor=0.5 --surface-albedo 0.5",
             "--from gltf:attenuationDistance is missing",
@@ -422,7 +424,10 @@ fn wrong_input_is_told_what_is_allowed() {
             "--from translucid:d=1 --surface-albedo 0.5 --color-space srgb",
             "--color-space is \"srgb\", but must be one of lin_rec709",
         ),
-        ("--from translucid:d=1 --surface-albedo 0.5 --color-space srgb", "did you mean lin_rec709? Numbers are linear"),
+        (
+            "--from translucid:d=1 --surface-albedo 0.5 --color-space srgb",
+            "did you mean lin_rec709? Numbers are linear",
+        ),
         (
             "--from translucid:d=1 --surface-albedo 0.5 --color-space acescg --from-color-space rec2020",
             "--from-color-space is \"rec2020\", but must be one of lin_rec709",
@@ -503,8 +508,7 @@ fn a_thin_wall_leads_back_to_the_material() {
         let line = wall.lines().find(|line| line.starts_with(&start)).unwrap();
         line.split(',').nth(3).unwrap().parse().unwrap()
     };
-    let (color, balance) =
-        (value("subsurface_color"), 0.5 * (1.0 + value("subsurface_scatter_anisotropy")));
+    let (color, balance) = (value("subsurface_color"), 0.5 * (1.0 + value("subsurface_scatter_anisotropy")));
     let words = format!("convert --wall-color {color} --wall-balance {balance} --thin 0.7 --g 0.3 --eta 1.4");
     let slab = stdout(&here(), &words);
     assert!((find(&slab, "mfp")[0] / 0.5 - 1.0).abs() < 1e-3, "{slab}");
@@ -589,9 +593,14 @@ fn textures_change_their_color_space_texel_by_texel() {
         ("--albedo-texture albedo.exr --mfp-texture mfp.exr -o new", "--color-space"),
         ("--albedo-texture albedo.exr --color-space acescg -o new", "--mfp-texture"),
         ("--albedo-texture albedo.exr --mfp-texture none.exr --color-space acescg -o new", "none.exr"),
-        ("--albedo-texture albedo.exr --mfp-texture mfp.exr --color-space srgb -o new", "did you mean lin_rec709?"),
-        ("--albedo-texture mfp.exr --mfp-texture albedo.exr --color-space acescg -o new",
-            "mfp.exr, pixel (0, 0): to acescg surface_albedo is 3, but must be in [0, 1]"),
+        (
+            "--albedo-texture albedo.exr --mfp-texture mfp.exr --color-space srgb -o new",
+            "did you mean lin_rec709?",
+        ),
+        (
+            "--albedo-texture mfp.exr --mfp-texture albedo.exr --color-space acescg -o new",
+            "mfp.exr, pixel (0, 0): to acescg surface_albedo is 3, but must be in [0, 1]",
+        ),
     ] {
         let output = run(directory.path(), &format!("convert {words}"));
         let message = stderr(&output);

@@ -81,9 +81,8 @@ pub fn wall_slab_numbers(
     }
     let count = color.len().max(balance.len());
     let of = |values: &[f64], c: usize| values[c.min(values.len() - 1)];
-    let slabs: Vec<WallSlab> = (0..count)
-        .map(|c| WallSlab::new(of(color, c), of(balance, c), g, eta))
-        .collect::<Result<_, _>>()?;
+    let slabs: Vec<WallSlab> =
+        (0..count).map(|c| WallSlab::new(of(color, c), of(balance, c), g, eta)).collect::<Result<_, _>>()?;
     let mut converted = Converted::default();
     let mut push = |parameter, value: &dyn Fn(&WallSlab) -> f64| {
         let values: Vec<f64> = slabs.iter().map(value).collect();

@@ -76,8 +76,7 @@ fn times(left: &Matrix, right: &Matrix) -> Matrix {
 /// Inverse by cofactors.
 fn inverse(m: &Matrix) -> Matrix {
     let cofactor = |row: usize, column: usize| {
-        let ([a, b], [c, d]) =
-            ([(row + 1) % 3, (row + 2) % 3], [(column + 1) % 3, (column + 2) % 3]);
+        let ([a, b], [c, d]) = ([(row + 1) % 3, (row + 2) % 3], [(column + 1) % 3, (column + 2) % 3]);
         m[a][c] * m[b][d] - m[a][d] * m[b][c]
     };
     let determinant: f64 = (0..3).map(|column| m[0][column] * cofactor(0, column)).sum();

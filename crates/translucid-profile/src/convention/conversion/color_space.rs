@@ -27,8 +27,9 @@ impl ColorSpaces<'_> {
                 let known = LINEAR_SPACES.join(", ");
                 let message = format!("{argument} is \"{name}\", but must be one of {known}");
                 let meant = meant(name).map_or(String::new(), |near| format!("did you mean {near}? "));
-                return Err(InputError::new(message)
-                    .with_help(format!("{meant}Numbers are linear: decode a curve, as that of sRGB, before")));
+                return Err(InputError::new(message).with_help(format!(
+                    "{meant}Numbers are linear: decode a curve, as that of sRGB, before"
+                )));
             }
         }
         rgb_from_rgb(self.from, self.to).ok_or_else(|| InputError::new("the color space is not known"))
