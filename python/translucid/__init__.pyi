@@ -17,6 +17,7 @@ models: Final[list[str]]
 __all__: list[str]
 
 _Path = str | PathLike[str]
+_LinearSpace = Literal["lin_rec709", "acescg", "lin_displayp3", "lin_rec2020", "lin_adobergb"]
 _Unit = Literal["mm", "cm", "m"]
 _Progress = bool | Literal["tqdm"] | Callable[[int, int], object] | None
 _ToneMapping = Literal["neutral", "agx", "srgb"]

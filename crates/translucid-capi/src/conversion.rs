@@ -214,7 +214,7 @@ fn text(text: &str) -> CString {
 
 fn row(number: &ConvertedNumber) -> (f64, [CString; 6]) {
     let ConvertedNumber { system, parameter, channel, value, unit, equal, source, .. } = number;
-    (*value, [system, parameter, channel, unit.as_str(), equal, source].map(text))
+    (*value, [*system, parameter, channel, unit, equal, source].map(text))
 }
 
 fn settings(

@@ -123,7 +123,8 @@ pub(crate) fn _wall_slab(
 
 /// The error of a parameter, by the name that Python has for it.
 fn renamed(error: &ParameterError, names: &[(&str, &str)]) -> PyErr {
-    let name = names.iter().find(|(name, _)| *name == error.parameter).map_or(error.parameter, |(_, to)| to);
+    let found = names.iter().find(|(name, _)| *name == error.parameter);
+    let name = found.map_or(error.parameter, |&(_, to)| to);
     PyValueError::new_err(error.to_string().replacen(error.parameter, name, 1))
 }
 
