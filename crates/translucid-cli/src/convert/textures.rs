@@ -57,7 +57,7 @@ pub(super) fn run(
         return Err(Failure::input(message).with_help("scale one of them: both must have the same size"));
     }
     let row = |y: u32| -> Result<Vec<[[f32; 3]; 2]>, Failure> {
-        let texel = |x: u32| {
+        let texel = |x: u32| -> Result<[[f32; 3]; 2], Failure> {
             let [a, l] = [&albedo, &mfp].map(|image| {
                 let [red, green, blue, _] = image.texel(x, y).map(f64::from);
                 [red, green, blue]

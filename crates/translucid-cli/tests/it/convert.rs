@@ -566,7 +566,7 @@ fn textures_change_their_color_space_texel_by_texel() {
     let directory = tempfile::tempdir().unwrap();
     let write = |name: &str, pixels: [[f32; 3]; 2]| {
         let path = directory.path().join(name);
-        exr::prelude::write_rgb_file(path, 2, 1, |x, _| pixels[x].into()).unwrap();
+        exr::prelude::write_rgb_file(path, 2, 1, |x, _| (pixels[x][0], pixels[x][1], pixels[x][2])).unwrap();
     };
     write("albedo.exr", [[0.75, 0.5, 0.25], [0.5, 0.5, 0.5]]);
     write("mfp.exr", [[3.0, 1.0, 0.5], [2.0, 2.0, 2.0]]);
