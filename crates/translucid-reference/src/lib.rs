@@ -40,6 +40,7 @@ mod split_mix;
 #[cfg(not(target_family = "wasm"))]
 pub mod walk;
 #[cfg(target_family = "wasm")]
+#[allow(dead_code, unreachable_pub, reason = "of walks, layers need the phase functions alone")]
 mod walk {
     mod problem;
 
