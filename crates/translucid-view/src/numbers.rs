@@ -116,7 +116,7 @@ fn convert(
 /// Index of refraction of the material's interface; 1 where it has none.
 fn interface(material: &Material) -> f64 {
     let ior: f64 = material.specular_ior.to_string().parse().unwrap_or(1.0);
-    if material.specular_weight.factor > 0.0 { ior.max(1.0).min(3.0) } else { 1.0 }
+    if material.specular_weight.factor > 0.0 { ior.clamp(1.0, 3.0) } else { 1.0 }
 }
 
 fn configuration(material: &Material) -> &'static str {

@@ -1,4 +1,4 @@
-//! Mixtures of channels for every texel of a texture: [`MixedChannel`](super::MixedChannel) a few hundred times as fast.
+//! Mixtures of channels for every texel of a texture: [`MixedChannel`](super::MixedChannel) by a table.
 //!
 //! By ln r Burley's cdf is one curve that the width shifts. So it is tabulated once, widths are rounded to the table's steps of
 //! half a percent, and the light at another radius is a sum of differences between shifted tables.
@@ -39,7 +39,7 @@ impl TexelMixer {
         Some(Self { weights: rgb_from_rgb(from, to)?, configuration, cdf })
     }
 
-    /// Surface albedos and mean free paths of a texel in the new space, the lengths within 1 % of the nearest ones.
+    /// Surface albedos and mean free paths of a texel in the new space, the lengths within 2 % of the nearest ones.
     ///
     /// # Errors
     /// A surface albedo is not in [0, 1], before or after, or a mean free path is negative or not finite.
