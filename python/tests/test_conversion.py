@@ -57,7 +57,53 @@ def test_units():
     assert "<table>" in meters._repr_html_()
 
 
+MATERIAL = {"mfp": [0.3, 0.2, 0.1], "surface_albedo": [0.8, 0.6, 0.3]}
+WORDS = ["--from", "translucid:mfp=0.3,0.2,0.1", "--surface-albedo", "0.8,0.6,0.3"]
+
+
+@pytest.mark.parametrize("options, words", [
+    ({"color_space": "acescg"}, ["--color-space", "acescg"]),
+    ({"thin": 0.2, "thin_g": 0.5, "thin_eta": 1.4}, ["--thin", "0.2", "--g", "0.5", "--eta", "1.4"]),
+    ({"thin": 0.2, "color_space": "lin_rec2020"}, ["--thin", "0.2", "--color-space", "lin_rec2020"]),
+])
+def test_color_spaces_and_thin_walls_are_the_command(command, options, words):
+    found = convert("translucid", **MATERIAL, **options)
+    rows = command("convert", *WORDS, *words)
+    flat = [float(value) for row in found.rows for value in np.atleast_1d(row.value)]
+    assert flat == [row["value"] for row in rows]
+    assert ("color space" in found) == ("color_space" in options) and ("slab" in found) == ("thin" in options)
+
+
+def test_a_thin_wall_leads_back_to_its_slab():
+    slab = convert.slab([0.8, 0.5, 0.3], 0.4, thin=0.2, g=0.3)["slab"]
+    back = convert("translucid", mfp=slab["mfp"], surface_albedo=slab["surface_albedo"], thin=0.2, thin_g=0.3)["slab"]
+    assert np.allclose(back["transmittance"], [0.32, 0.2, 0.12], atol=1e-4)
+    assert np.allclose(back["reflectance"], [0.48, 0.3, 0.18], atol=1e-4)
+
+
 @pytest.mark.parametrize("words, message", [
+    ({"color": 1.2, "balance": 0.5}, r"^color is 1.2, but must be in \(0, 1\]$"),
+    ({"color": 0.5, "balance": -1.0}, r"^balance is -1, but must be in \(0, 1\]$"),
+    ({"color": 0.9, "balance": 1.0, "eta": 1.5}, "^balance is 1, but must be less: no slab"),
+    ({"color": [0.5, 0.5], "balance": 0.5}, "must be one number or three"),
+    ({"color": 0.5, "balance": 0.5, "thin": 0.0}, "^thin is 0, but must be finite and above 0$"),
+    ({"color": 0.5, "balance": 0.5, "g": 1.0}, "^g is 1, but must be in"),
+])
+def test_mistakes_of_slabs_are_named(words, message):
+    with pytest.raises(ValueError, match=message):
+        convert.slab(**words)
+
+
+@pytest.mark.parametrize("words, message", [
+    ({"source": "gltf", "attenuationDistance": 1.0, "surface_albedo": 0.5}, "^source gltf:attenuationColor is missing"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "color_space": "srgb"},
+     "^color_space is \"srgb\", but must be one of lin_rec709, .*did you mean lin_rec709"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "from_color_space": "acescg"}, "^color_space is missing"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "thin": -1.0}, "^thin is -1, but must be finite and above 0"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "thin": 1.0, "thin_g": 1.0}, "^thin_g is 1, but must be"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "thin": 1.0, "thin_eta": 4.0}, "^thin_eta is 4, but must be"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "thin_g": 0.5}, "^thin is missing"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "thin": 1.0, "to": "hdrp"}, "^thin gives the numbers of thin walls"),
     ({"source": "rendermann", "dmfp": 2.0, "surface_albedo": 0.5}, "did you mean renderman"),
     ({"source": "renderman", "dmf": 2.0, "surface_albedo": 0.5}, "did you mean dmfp"),
     ({"source": "renderman", "surface_albedo": 0.5}, "source is missing"),

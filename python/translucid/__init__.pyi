@@ -17,6 +17,7 @@ models: Final[list[str]]
 __all__: list[str]
 
 _Path = str | PathLike[str]
+_LinearSpace = Literal["lin_rec709", "acescg", "lin_displayp3", "lin_rec2020", "lin_adobergb"]
 _Unit = Literal["mm", "cm", "m"]
 _Progress = bool | Literal["tqdm"] | Callable[[int, int], object] | None
 _ToneMapping = Literal["neutral", "agx", "srgb"]
@@ -232,6 +233,11 @@ def convert(
     to: str | Iterable[str] = (),
     settings: Mapping[str, Mapping[str, float]] | None = None,
     configuration: _Configuration = "diffuse",
+    color_space: _LinearSpace | None = None,
+    from_color_space: _LinearSpace = "lin_rec709",
+    thin: float | None = None,
+    thin_g: float = 0.0,
+    thin_eta: float = 1.0,
     **parameters: ArrayLike,
 ) -> Conversion: ...
 

@@ -67,6 +67,11 @@ def convert(
     to: str | Iterable[str] = (),
     settings: Mapping[str, Mapping[str, float]] | None = None,
     configuration: str = "diffuse",
+    color_space: str | None = None,
+    from_color_space: str = "lin_rec709",
+    thin: float | None = None,
+    thin_g: float = 0.0,
+    thin_eta: float = 1.0,
     **parameters,
 ) -> Conversion:
     """Say a material in the numbers of other renderers and engines.
@@ -87,6 +92,16 @@ def convert(
         Factors and distances of those systems that are to have a value: ``{"renderman": {"unitLength": 1.0}}``.
     configuration : {"diffuse", "searchlight"}, default "diffuse"
         How light enters in the fit between the width of a profile and the mean free path of a medium.
+    color_space, from_color_space : str, optional
+        Linear color space of the numbers, and of those that the material comes from: "lin_rec709", "acescg",
+        "lin_displayp3", "lin_rec2020" or "lin_adobergb". Surface albedos change as colors do, and each new channel is the
+        medium nearest to the mixture of old channels that it is; ``conversion["color space"]`` has the shares of the light
+        that leaves at another radius.
+    thin : float, optional
+        Thickness of a slab of the material, in `unit`: the conversion then has, in place of the systems' numbers, the light
+        of the ``"slab"`` and the thin-walled surfaces that stand for it, with their errors.
+    thin_g, thin_eta : float, optional
+        Mean cosine of the slab's phase function, in [-0.95, 0.95], and its index of refraction, in [1, 3].
     **parameters
         Parameters of the source system by its own names, each a number or three for red, green and blue. A length or color
         that is not given counts as 1, other factors as what the system has.
@@ -128,9 +143,22 @@ def convert(
     ):
         raise TypeError(f"settings must be a mapping of systems to mappings of parameters, but is {settings!r}")
     chosen = {system: dict(values) for system, values in (settings or {}).items()}
-    rows, notes = _translucid._convert(
-        source, parameters, surface_albedo, unit, to_unit, targets, chosen, configuration
+    if color_space is None and from_color_space != "lin_rec709":
+        raise ValueError("color_space is missing, which from_color_space needs")
+    if thin is None and (thin_g, thin_eta) != (0.0, 1.0):
+        raise ValueError("thin is missing, the thickness of the slab that thin_g and thin_eta are of")
+    if thin is not None and (targets or chosen or to_unit is not None):
+        raise ValueError("thin gives the numbers of thin walls: leave out to, to_unit and settings")
+    spaces = None if color_space is None else (from_color_space, color_space)
+    slab = None if thin is None else (thin, thin_g, thin_eta)
+    return _conversion(
+        *_translucid._convert(
+            source, parameters, surface_albedo, unit, to_unit, targets, chosen, configuration, spaces, slab
+        )
     )
+
+
+def _conversion(rows, notes: list[str]) -> Conversion:
     # Red, green and blue are rows of the command; here they are one array.
     merged: list[ConvertedParameter] = []
     for system, parameter, channel, value, length_unit, equal, rule in rows:
@@ -146,4 +174,42 @@ def systems() -> list[dict]:
     return _translucid._conversion_systems()
 
 
+def slab(color, balance, *, thin: float | None = None, g: float = 0.0, eta: float = 1.0) -> Conversion:
+    """Find the slab that has the light of a thin-walled surface.
+
+    Parameters
+    ----------
+    color : float or array_like of shape (3,)
+        Share of the light below the interface that the surface scatters, in (0, 1]: OpenPBR's ``subsurface_color``.
+    balance : float or array_like of shape (3,)
+        Share of that which goes to the other side, in (0, 1]: (1 + a)/2 of OpenPBR's ``subsurface_scatter_anisotropy`` a.
+    thin : float, optional
+        Thickness of the slab, in any unit.
+    g, eta : float, optional
+        Mean cosine of the slab's phase function, in [-0.95, 0.95], and its index of refraction, in [1, 3].
+
+    Returns
+    -------
+    Conversion
+        ``conversion["slab"]`` has ``single_scattering_albedo``, ``thickness in mean free paths``, ``surface_albedo``, the
+        transport mean free path as ``mfp`` in the unit of `thin`, or else as ``mfp in thicknesses``, and
+        ``transmittance unscattered``.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is outside its range, or no slab has such a reflectance and transmittance.
+
+    Examples
+    --------
+    >>> import translucid
+    >>> slab = translucid.convert.slab(0.8, 0.5)["slab"]
+    >>> wall = translucid.convert("translucid", mfp=slab["mfp in thicknesses"], surface_albedo=slab["surface_albedo"], thin=1.0)
+    >>> round(wall["openpbr"]["subsurface_color"], 4), abs(round(wall["openpbr"]["subsurface_scatter_anisotropy"], 4))
+    (0.8, 0.0)
+    """
+    return _conversion(*_translucid._wall_slab(color, balance, thin, g, eta))
+
+
+convert.slab = slab  # type: ignore[attr-defined]
 convert.systems = systems  # type: ignore[attr-defined]

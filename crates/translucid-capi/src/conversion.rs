@@ -94,8 +94,7 @@ impl Kind for TranslucidConverted {
     const NAME: &'static str = "TranslucidConverted";
 }
 
-const NAMES: ArgumentNames =
-    ArgumentNames { from: "from", surface_albedo: "surface_albedo", to: "to", set: "set" };
+const NAMES: ArgumentNames = ArgumentNames::FIELDS;
 
 /// Name of a system by its index: NULL behind the last.
 ///
@@ -129,6 +128,7 @@ pub unsafe extern "C" fn translucid_convert(
             to: &to,
             set: &set,
             configuration: configuration.unwrap_or(Configuration::Diffuse),
+            color_space: None,
             names: NAMES,
         };
         let done = conversion.run().map_err(Failure::argument)?;
@@ -213,9 +213,8 @@ fn text(text: &str) -> CString {
 }
 
 fn row(number: &ConvertedNumber) -> (f64, [CString; 6]) {
-    let ConvertedNumber { system, parameter, channel, value, unit, equal } = number;
-    let source = format!("{}: {}", system.source.kind, system.source.place);
-    (*value, [system.name, parameter, channel, unit, equal, &source].map(text))
+    let ConvertedNumber { system, parameter, channel, value, unit, equal, source, .. } = number;
+    (*value, [*system, parameter, channel, unit, equal, source].map(text))
 }
 
 fn settings(

@@ -3,42 +3,49 @@
 mod color_space;
 mod output;
 mod setting;
+mod textures;
 mod thin;
 
 use std::path::PathBuf;
 
 use clap::Args;
 use translucid_profile::convention::{
-    ArgumentNames, Channel, Conversion, Setting, SurfaceAlbedo, conversion_system_names,
+    ArgumentNames, Conversion, Converted, LINEAR_SPACES, conversion_system_names,
 };
 
 use self::color_space::ColorSpaceArguments;
+use self::textures::TextureArguments;
 use self::thin::ThinArguments;
 use crate::failure::Failure;
 use crate::messages;
 use crate::model::{ConfigurationName, UnitName};
-use crate::table::{ReadableFormat, print};
+use crate::table::ReadableFormat;
 
 const EXAMPLES: &str = "\
-Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps),
-source of the rule (code or document, and its place).
+Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps), source of the rule:
+how it was seen (code, document or measured pictures; exact or computed for numbers of no system's), and where.
 
-A value is one number for all channels, or three for red, green and blue. A missing length or color is 1,
-a missing factor the system's default (RenderMan's unitLength 0.1).
+A value is one number for all channels, or three for red, green and blue. A missing length or color is 1, but for the color that
+light has behind a distance (glTF, Substrate), which needs both; a missing factor is the system's default (RenderMan's
+unitLength 0.1).
 
 A conversion keeps the width d between systems that draw Burley's profile, and the transport mean free path
 between systems that walk or solve a medium. From one kind to the other d = mfp/s(A), by the fit of the
 --configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic;
-pbrt's g is replaced by the similar isotropic medium.
+a g of pbrt, RISE, glTF or Cycles' walks is replaced by the similar isotropic medium.
 
 Lengths are in --unit if a system takes scene units; Unreal's are always in cm, Unity HDRP's in mm and glTF's in m.
 
 --thin prints what a slab of the material reflects and passes, exactly, the thin-walled surface of OpenPBR, Blender and
-glTF that stands for it, and the errors of that, all as shares of the light that arrives.
+glTF that stands for it, and the errors of that, all as shares of the light that arrives. --wall-color and --wall-balance lead
+back: from the color of a thin wall, and the share of its light that goes to the other side, (1 + a)/2 of OpenPBR's
+subsurface_scatter_anisotropy a, to the slab that has such a reflectance and transmittance.
 
 --color-space prints the numbers for channels of other primaries: surface albedos change as colors do, and each new
 channel is the medium nearest to the mixture of old channels that it is. The rows `color space` have the share of the
 light that leaves at another radius than that mixture's: so, if lengths were kept, and if they changed as colors do.
+With --albedo-texture and --mfp-texture each texel is converted so, and two OpenEXR files are written; integers of the first are
+albedos by the curve of sRGB, in the primaries of --from-color-space.
 Linear color spaces: SPACES.
 
 Systems: SYSTEMS.
@@ -53,16 +60,18 @@ Examples:
   translucid convert --from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00
   translucid convert --from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1
   translucid convert --from translucid:mfp=0.3,0.2,0.1 --surface-albedo 0.8,0.6,0.3 --thin 0.2 --format text
-  translucid convert --from translucid:mfp=3.7,1.4,0.7 --surface-albedo 0.44,0.22,0.13 --color-space acescg --to openpbr";
+  translucid convert --wall-color 0.7,0.5,0.3 --wall-balance 0.4 --thin 0.2 --format text
+  translucid convert --from translucid:mfp=3.7,1.4,0.7 --surface-albedo 0.44,0.22,0.13 --color-space acescg --to openpbr
+  translucid convert --albedo-texture albedo.png --mfp-texture mfp.exr --color-space acescg -o textures";
 
 /// Converts a material to the parameters of other renderers and engines
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES
     .replace("SYSTEMS", &conversion_system_names().join(", "))
-    .replace("SPACES", &translucid_load::LINEAR_SPACES.join(", ")))]
+    .replace("SPACES", &LINEAR_SPACES.join(", ")))]
 pub(crate) struct ConvertArguments {
     /// A parameter of the source system, repeated for each parameter; or `list` for all systems
-    #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE", required = true)]
+    #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE", required_unless_present_any = ["wall_color", "albedo_texture"])]
     from: Vec<String>,
     /// Surface albedo A, in [0, 1]: one or three, comma-separated; coefficients determine it
     #[arg(long, value_name = "A", value_delimiter = ',', allow_negative_numbers = true)]
@@ -85,8 +94,10 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     color_space: ColorSpaceArguments,
     #[command(flatten)]
+    textures: TextureArguments,
+    #[command(flatten)]
     thin: ThinArguments,
-    /// File to write instead of stdout
+    /// File to write instead of stdout, or directory for textures
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// How to print
@@ -94,11 +105,32 @@ pub(crate) struct ConvertArguments {
     format: ReadableFormat,
 }
 
+const NAMES: ArgumentNames = ArgumentNames {
+    from: "--from",
+    surface_albedo: "--surface-albedo",
+    to: "--to",
+    set: "--set",
+    color_space: "--color-space",
+    from_color_space: "--from-color-space",
+};
+
 /// Runs the verb.
 pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if arguments.from == ["list"] {
-        return print(&output::list());
+        return output::write_text(&output::list(), arguments.output.as_deref());
     }
+    arguments.thin.require_slab()?;
+    if let (Some(paths), Some(spaces), Some(output)) =
+        (arguments.textures.files(), arguments.color_space.spaces(), &arguments.output)
+    {
+        return textures::run(paths, spaces, &NAMES, arguments.configuration.into(), output);
+    }
+    let converted = if arguments.thin.is_of_wall() { arguments.thin.slab()? } else { convert(arguments)? };
+    converted.notes.iter().for_each(|note| messages::print_note(note));
+    output::write(&converted.numbers, arguments.format, arguments.output.as_deref())
+}
+
+fn convert(arguments: &ConvertArguments) -> Result<Converted, Failure> {
     let to: Vec<&str> = arguments.to.iter().map(String::as_str).collect();
     let conversion = Conversion {
         from: &setting::parse_all("--from", &arguments.from)?,
@@ -108,48 +140,14 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         to: &to,
         set: &setting::parse_all("--set", &arguments.set)?,
         configuration: arguments.configuration.into(),
-        names: ArgumentNames { from: "--from", surface_albedo: "--surface-albedo", to: "--to", set: "--set" },
+        color_space: arguments.color_space.spaces(),
+        names: NAMES,
     };
-    let write = |numbers: &[_], more: &[_]| {
-        output::write(numbers, more, arguments.format, arguments.output.as_deref())
-    };
-    let Some(matrix) = arguments.color_space.matrix()? else {
-        if arguments.thin.is_asked() {
-            return write(&[], &arguments.thin.rows(&channels(&conversion)?)?);
-        }
-        let converted = conversion.run()?;
-        converted.notes.iter().for_each(|note| messages::print_note(note));
-        return write(&converted.numbers, &[]);
-    };
-    let old = channels(&conversion)?;
-    let (mixed, rows) = arguments.color_space.mixed(&old, &matrix, conversion.configuration)?;
-    let mixed = mixed.map(|mixed| mixed.channel);
-    if arguments.thin.is_asked() {
-        return write(&[], &[arguments.thin.rows(&mixed)?, rows].concat());
+    if !arguments.thin.is_asked() {
+        return Ok(conversion.run()?);
     }
-    let converted = Conversion {
-        from: &[Setting::new("--from", "translucid", "d", mixed.map(|channel| channel.d()).to_vec())?],
-        surface_albedo: &mixed.map(|channel| channel.albedo().of_channel()),
-        ..conversion
-    }
-    .run()?;
-    converted.notes.iter().for_each(|note| messages::print_note(note));
-    write(&converted.numbers, &rows)
-}
-
-/// The material that a conversion starts from, with lengths in the unit of its scene.
-fn channels(conversion: &Conversion<'_>) -> Result<Vec<Channel>, Failure> {
-    let own = Conversion { to: &["translucid"], set: &[], to_unit: conversion.unit, ..*conversion };
-    let numbers = own.run()?.numbers;
-    let of = |parameter: &str| -> Vec<f64> {
-        numbers.iter().filter(|row| row.parameter == parameter).map(|row| row.value).collect()
-    };
-    let (albedos, widths) = (of("surface_albedo"), of("d"));
-    let greatest = albedos.iter().copied().fold(0.0, f64::max);
-    albedos
-        .iter()
-        .zip(widths)
-        .map(|(a, d)| Channel::from_d(SurfaceAlbedo::new(*a, greatest)?, d, conversion.configuration))
-        .collect::<Result<_, _>>()
-        .map_err(|error| Failure::input(format!("the material has no channels: {error}")))
+    let (channels, shares) = conversion.material()?;
+    let mut converted = arguments.thin.walls(&channels)?;
+    converted.numbers.extend(shares);
+    Ok(converted)
 }

@@ -35,7 +35,7 @@
 //! # Out of scope
 //! Writing files: everything here returns text or bytes.
 
-// In WebAssembly, where the reference has the exact half space alone, nothing is compared with walks or layers.
+// In WebAssembly, where the reference has no walks, nothing is compared with them.
 
 mod chart;
 pub mod colorimetry;
@@ -57,7 +57,6 @@ pub mod picture;
 mod random;
 #[cfg(not(target_family = "wasm"))]
 pub mod skin;
-#[cfg(not(target_family = "wasm"))]
 pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};

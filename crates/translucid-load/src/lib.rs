@@ -52,7 +52,7 @@ mod winding;
 #[cfg(target_family = "wasm")]
 pub use given_files::give_file;
 pub use gltf::{load_gltf, parse_gltf};
-pub use image::{ExrChannels, decode_image, load_exr, load_image};
+pub use image::{ExrChannels, decode_image, load_exr, load_image, load_plain_image};
 pub use load_scene::load_scene;
 pub use materialx::parse_materialx;
 pub use mesh_file::{MeshFile, NamedCamera};
@@ -60,7 +60,6 @@ pub use obj::{load_obj, parse_obj};
 pub use options::{Floor, LoadOptions, Surroundings};
 pub use orientation::UpAxis;
 pub use ply::{load_ply, parse_ply};
-pub use primaries::{LINEAR_SPACES, rgb_from_rgb};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use still_life::still_life;
 pub use stl::{load_stl, parse_stl};

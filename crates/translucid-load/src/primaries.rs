@@ -25,24 +25,6 @@ pub(crate) const AP0: Primaries = Primaries([[0.7347, 0.2653], [0.0, 1.0], [0.00
 /// AP1 of ACES (S-2014-004).
 pub(crate) const AP1: Primaries = Primaries([[0.713, 0.293], [0.165, 0.83], [0.128, 0.044], ACES_WHITE]);
 
-/// Names of linear color spaces that [`rgb_from_rgb`] knows.
-pub const LINEAR_SPACES: [&str; 5] = ["lin_rec709", "acescg", "lin_displayp3", "lin_rec2020", "lin_adobergb"];
-
-/// The matrix, row by row, from the linear channels of one color space of [`LINEAR_SPACES`] to those of another, with white as
-/// white; none if a name is not known.
-///
-/// ```
-/// let [red, ..] = translucid_load::rgb_from_rgb("lin_rec709", "acescg").unwrap();
-/// assert!((red[0] - 0.613).abs() < 1e-3 && (red.iter().sum::<f64>() - 1.0).abs() < 1e-9);
-/// assert!(translucid_load::rgb_from_rgb("lin_rec709", "srgb").is_none());
-/// ```
-pub fn rgb_from_rgb(from: &str, to: &str) -> Option<[[f64; 3]; 3]> {
-    let primaries = [REC_709, AP1, DISPLAY_P3, REC_2020, ADOBE_RGB];
-    let find = |name| LINEAR_SPACES.iter().position(|known| *known == name).map(|i| primaries[i]);
-    let matrix = find(to)?.to_rec_709().inverse() * find(from)?.to_rec_709();
-    Some(matrix.transpose().to_cols_array_2d())
-}
-
 impl Primaries {
     /// Matrix from linear channels to linear Rec. 709, whose white is that of these primaries.
     pub(crate) fn to_rec_709(self) -> DMat3 {
@@ -98,6 +80,21 @@ mod tests {
             assert!(white.abs_diff_eq(DVec3::ONE, 1e-12), "{primaries:?}: {white}");
         }
         assert!((rec_709_from_d50() * D50).abs_diff_eq(DVec3::ONE, 1e-12));
+    }
+
+    /// The matrices of conversions, which have no vectors at hand, are these.
+    #[test]
+    fn matrices_of_conversions_are_the_same() {
+        let [acescg, p3] = [("acescg", AP1), ("lin_displayp3", DISPLAY_P3)].map(|(name, primaries)| {
+            let rows = translucid_profile::convention::rgb_from_rgb(name, "lin_rec709").unwrap();
+            let twin = DMat3::from_cols_array_2d(&rows).transpose();
+            (twin, primaries.to_rec_709())
+        });
+        let rows = translucid_profile::convention::rgb_from_rgb("lin_rec2020", "lin_adobergb").unwrap();
+        let wide = ADOBE_RGB.to_rec_709().inverse() * REC_2020.to_rec_709();
+        for (twin, matrix) in [acescg, p3, (DMat3::from_cols_array_2d(&rows).transpose(), wide)] {
+            assert!(twin.abs_diff_eq(matrix, 1e-12), "{twin} {matrix}");
+        }
     }
 
     #[test]

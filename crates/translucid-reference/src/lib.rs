@@ -24,13 +24,12 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-// Walks need a clock and vectors, which WebAssembly has not: there is the exact half space alone.
+// Walks need a clock and vectors, which WebAssembly has not: there are the exact half space and the totals of layers alone.
 #[cfg(not(target_family = "wasm"))]
 pub mod body;
 mod estimate;
 pub mod exact;
 mod incidence;
-#[cfg(not(target_family = "wasm"))]
 pub mod layers;
 #[cfg(not(target_family = "wasm"))]
 pub mod mcml;
@@ -40,6 +39,13 @@ mod ray;
 mod split_mix;
 #[cfg(not(target_family = "wasm"))]
 pub mod walk;
+#[cfg(target_family = "wasm")]
+#[allow(dead_code, unreachable_pub, reason = "of walks, layers need the phase functions alone")]
+mod walk {
+    mod problem;
+
+    pub use problem::PhaseFunction;
+}
 
 pub use estimate::Estimate;
 pub use incidence::{Incidence, specular_reflectance};

@@ -2,6 +2,7 @@
 
 import { copyButton } from "./copy.js";
 import { byId, make, setText } from "./dom.js";
+import { parse } from "./numbers.js";
 import { Watch } from "./watch.js";
 import { keep, recall } from "./storage.js";
 
@@ -10,6 +11,8 @@ const CHANNELS = ["r", "g", "b"];
 export class NumbersPanel {
     #answer = null;
     #choice = byId("numbers-system");
+    #space = byId("numbers-space");
+    #thin = byId("numbers-thin");
     #system = recall("system", "");
 
     constructor(session, materials, dock) {
@@ -18,7 +21,8 @@ export class NumbersPanel {
             if (!answer) return;
             this.#answer = answer;
             this.#show();
-        });
+        }, () => this.#wish());
+        for (const input of [this.#space, this.#thin]) input.addEventListener("change", () => watch.look());
         dock.onChange(() => watch.look());
         this.#choice.addEventListener("change", () => {
             this.#system = this.#choice.value;
@@ -30,6 +34,15 @@ export class NumbersPanel {
             label: "Copy the command",
             text: () => this.#answer?.command ?? "",
         }));
+    }
+
+    /** The color space and the thickness that are asked for, if they are. */
+    #wish() {
+        const wish = {};
+        if (this.#space.value) wish.color_space = this.#space.value;
+        const thin = parse(this.#thin.value);
+        if (thin !== null) wish.thin = thin;
+        return wish;
     }
 
     #show() {

@@ -9,17 +9,22 @@ export class Watch {
     #type;
     #isOpen;
     #show;
+    #more;
     #shown = "";
     #asks = false;
     #timer = 0;
 
-    /** `show` gets the answer to messages of `type`; nothing is asked while `isOpen()` is false. */
-    constructor(session, materials, type, isOpen, show) {
+    /**
+     * `show` gets the answer to messages of `type`, to which `more()` adds fields; nothing is asked while `isOpen()` is
+     * false.
+     */
+    constructor(session, materials, type, isOpen, show, more = () => ({})) {
         this.#session = session;
         this.#materials = materials;
         this.#type = type;
         this.#isOpen = isOpen;
         this.#show = show;
+        this.#more = more;
         session.on("state", () => this.look());
         session.on("hello", () => (this.#shown = ""));
         materials.onSelect(() => this.look());
@@ -34,14 +39,14 @@ export class Watch {
 
     #key() {
         const { index, material } = this.#materials;
-        return JSON.stringify([index, this.#session.state.active, material]);
+        return JSON.stringify([index, this.#session.state.active, material, this.#more()]);
     }
 
     async #ask() {
         if (this.#asks || !this.#isOpen()) return;
         const key = this.#key();
         this.#asks = true;
-        const message = { type: this.#type, index: this.#materials.index };
+        const message = { type: this.#type, index: this.#materials.index, ...this.#more() };
         const answer = await this.#session.ask(message).catch((error) => ({ error }));
         this.#asks = false;
         this.#shown = key;

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use translucid_scene::{Camera, Film, Material, Projection, SceneError};
 
 use crate::message::{Message, Numbered};
+use crate::numbers::Wish;
 use crate::shared::Shared;
 use crate::{numbers, profile_panel};
 
@@ -23,6 +24,7 @@ pub(crate) struct Question {
     pub(crate) topic: Topic,
     id: Option<u32>,
     index: usize,
+    wish: Wish,
 }
 
 #[derive(Clone, Copy)]
@@ -41,8 +43,12 @@ pub(crate) fn hear(shared: &Shared, text: &str) -> Heard {
     match message {
         Message::Painted { frame } => Heard::Painted(frame),
         Message::Pick { x, y } => Heard::Answer(shared.picked(id, [x, y]).to_string()),
-        Message::Profile { index } => Heard::Question(Question { topic: Topic::Profile, id, index }),
-        Message::Numbers { index } => Heard::Question(Question { topic: Topic::Numbers, id, index }),
+        Message::Profile { index } => {
+            Heard::Question(Question { topic: Topic::Profile, id, index, wish: Wish::default() })
+        }
+        Message::Numbers { index, color_space, thin } => {
+            Heard::Question(Question { topic: Topic::Numbers, id, index, wish: Wish { color_space, thin } })
+        }
         message => {
             let changed = shared.change(|studio| {
                 if let Message::Frame {} = message {
@@ -63,7 +69,7 @@ pub(crate) fn hear(shared: &Shared, text: &str) -> Heard {
 impl Question {
     /// The answer about the material as it is now.
     pub(crate) fn answer(&self, shared: &Shared) -> String {
-        let Self { topic, id, index } = *self;
+        let Self { topic, id, index, ref wish } = *self;
         let material = shared.studio(|studio| {
             let look = studio.active_look();
             let material = look.materials.get(index)?;
@@ -75,7 +81,7 @@ impl Question {
         let unit = shared.origin.unit;
         let mut answer = match topic {
             Topic::Profile => profile_panel::profile(&material, &shared.origin.profile_tables, unit),
-            Topic::Numbers => numbers::numbers(&material, unit),
+            Topic::Numbers => numbers::numbers(&material, unit, wish),
         };
         answer["id"] = json!(id);
         answer["index"] = json!(index);

@@ -74,6 +74,8 @@ pub(crate) enum Message {
     },
     Numbers {
         index: usize,
+        color_space: Option<String>,
+        thin: Option<f64>,
     },
     Painted {
         frame: u32,

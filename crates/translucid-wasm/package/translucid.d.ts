@@ -166,7 +166,24 @@ export type Channels = number | ArrayLike<number>;
 
 export type Unit = "mm" | "cm" | "m";
 
-export interface ConvertOptions {
+/** Linear color spaces by the names of MaterialX. */
+export type LinearSpace = "lin_rec709" | "acescg" | "lin_displayp3" | "lin_rec2020" | "lin_adobergb";
+
+/** A slab between air, beside its thickness. */
+export interface SlabOptions {
+    /** Thickness of the slab. */
+    thin?: number;
+    /** Mean cosine of its phase function, in [-0.95, 0.95], by default 0. */
+    g?: number;
+    /** Its index of refraction, in [1, 3], by default 1. */
+    eta?: number;
+}
+
+/**
+ * With `thin` the conversion has, in place of the systems' numbers, the light of the "slab" of that thickness, in `unit`, and
+ * the thin-walled surfaces that stand for it, with their errors.
+ */
+export interface ConvertOptions extends SlabOptions {
     /** Surface albedo as the source system is told it; not for a system whose coefficients determine it. */
     surfaceAlbedo?: Channels;
     /** Unit of lengths in the scene that the material comes from, by default "mm", for systems without one of their own. */
@@ -179,6 +196,13 @@ export interface ConvertOptions {
     settings?: Record<string, Record<string, Channels>>;
     /** How light enters in the fit between the width of a profile and a mean free path, by default "diffuse". */
     configuration?: Configuration;
+    /**
+     * Linear color space of the numbers, by default that of the material. Each new channel is the medium nearest to the mixture
+     * of old channels that it is; "color space" has the shares of the light that leaves at another radius.
+     */
+    colorSpace?: LinearSpace;
+    /** Linear color space of the material's numbers, by default "lin_rec709". */
+    fromColorSpace?: LinearSpace;
 }
 
 /** A number of a material in a system. */
@@ -189,7 +213,7 @@ export interface ConvertedNumber {
     value: number;
     /** Empty for numbers without one. */
     unit: string;
-    /** What is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp". */
+    /** What is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp"; empty where nothing is. */
     equal: string;
     /** The code or the document that the rule was read in. */
     source: string;
@@ -209,6 +233,20 @@ export interface Conversion {
  * `parameters` are those of the source system by its own names; {@link systems} lists them.
  */
 export function convert(source: string, parameters: Record<string, Channels>, options?: ConvertOptions): Conversion;
+
+/** The light of a thin-walled surface, and the slab that is to have it. */
+export interface WallOptions extends SlabOptions {
+    /** Share of the light below the interface that the surface scatters, in (0, 1]: OpenPBR's subsurface_color. */
+    color: Channels;
+    /** Share of that which goes to the other side, in (0, 1]: (1 + a)/2 of OpenPBR's subsurface_scatter_anisotropy a. */
+    balance: Channels;
+}
+
+/**
+ * Finds the slab that has the light of a thin-walled surface: `values.slab` has its albedos, its thickness in mean free paths, and
+ * its transport mean free path in the unit of `thin` as `mfp`, or else as `mfp in thicknesses`.
+ */
+export function slab(options: WallOptions): Conversion;
 
 /** A system whose numbers are known. */
 export interface System {

@@ -147,8 +147,11 @@ export class HalfSpace extends Owner {
     beyond = (r) => apply(this[HANDLE], "beyond", r, estimates);
 }
 
-export function convert(source, parameters, options) {
-    const { numbers, notes } = call("convert", { options: { ...options, source, parameters } });
+export const convert = (source, parameters, options) => conversion("convert", { ...options, source, parameters });
+export const slab = (options) => conversion("slab", options);
+
+function conversion(name, options) {
+    const { numbers, notes } = call(name, { options });
     const values = {};
     for (const { system, parameter, channel, value } of numbers) {
         const of = (values[system] ??= {});

@@ -91,6 +91,7 @@ impl Desk {
             "apply" => return self.apply(index, options),
             "free" => return Ok(self.free(index)),
             "convert" => return conversion::convert(options),
+            "slab" => return conversion::slab(options),
             "systems" => return Ok(conversion::systems()),
             "presets" => return Ok(conversion::presets()),
             "preset" => return conversion::preset(options),

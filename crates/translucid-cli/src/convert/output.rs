@@ -11,32 +11,32 @@ use crate::failure::Failure;
 use crate::files::write_file;
 use crate::table::{ReadableFormat, exact, print};
 
-/// One row of the table.
-pub(super) type Row = [Cell; COLUMNS.len()];
-
-/// Writes the numbers of systems and further rows to a file or to stdout.
+/// Writes numbers to a file or to stdout.
 pub(super) fn write(
     numbers: &[ConvertedNumber],
-    more: &[Row],
     format: ReadableFormat,
     path: Option<&Path>,
 ) -> Result<(), Failure> {
-    let rows: Vec<Vec<Cell>> = numbers.iter().map(cells).chain(more.iter().cloned()).map(Vec::from).collect();
-    let text = format.text(&COLUMNS, &rows, || {
-        let (numbers, more) = (paragraphs(numbers), plain_paragraphs(more));
-        let separator = if numbers.is_empty() || more.is_empty() { "" } else { "\n" };
-        numbers + separator + &more
-    });
-    let Some(path) = path else { return print(&text) };
+    let rows: Vec<Vec<Cell>> = numbers.iter().map(cells).collect();
+    let text = format.text(&COLUMNS, &rows, || paragraphs(numbers));
+    write_text(&text, path)
+}
+
+/// Writes a text to a file or to stdout.
+pub(super) fn write_text(text: &str, path: Option<&Path>) -> Result<(), Failure> {
+    let Some(path) = path else { return print(text) };
     check_writable(path)?;
     write_file(path, text.as_bytes())
 }
 
-/// Every system with its parameters and its rule, a line each.
+/// Every system with its versions, how its rule was seen, its parameters and the rule, a line each.
 pub(super) fn list() -> String {
-    let mut text = String::from("system                 length in  parameters and rule\n");
+    let row = |cells: [&str; 5]| {
+        let [system, unit, seen, version, rule] = cells;
+        format!("{system:<21}  {unit:<9}  {seen:<8}  {version:<23}  {rule}\n")
+    };
+    let mut text = row(["system", "length in", "seen", "versions", "parameters and rule"]);
     for system in System::ALL {
-        let unit = system.unit.name().unwrap_or("scene unit");
         let parameters: Vec<String> = system
             .parameters
             .iter()
@@ -47,62 +47,56 @@ pub(super) fn list() -> String {
                 _ => parameter.name.to_owned(),
             })
             .collect();
-        let (name, parameters, formula) = (system.name, parameters.join(", "), system.formula);
-        text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
+        let unit = system.unit.name().unwrap_or("scene");
+        let rule = format!("{}: {}", parameters.join(", "), system.formula);
+        text += &row([system.name, unit, system.source.kind, system.version, &rule]);
     }
     text
 }
 
 pub(super) const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
-fn cells(row: &ConvertedNumber) -> Row {
-    let source = row.system.source;
-    [
-        Cell::from(row.system.name),
+fn cells(row: &ConvertedNumber) -> Vec<Cell> {
+    vec![
+        Cell::from(row.system),
         Cell::from(row.parameter),
         Cell::from(row.channel),
         Cell::from(row.value),
         Cell::from(row.unit.as_str()),
         Cell::from(row.equal),
-        Cell::from(format!("{}: {}", source.kind, source.place)),
+        Cell::from(row.source.as_str()),
     ]
 }
 
+/// Numbers by their systems, each in the ways to specify a material in it.
 fn paragraphs(rows: &[ConvertedNumber]) -> String {
-    let width = rows.iter().map(|row| row.parameter.len()).max().unwrap_or(0);
+    // What no rule of a system gives stands in wider columns of its own
+    let is_plain = |row: &ConvertedNumber| row.way.is_none();
+    let longest = |plain: bool| {
+        rows.iter().filter(|row| is_plain(row) == plain).map(|row| row.parameter.len()).max().unwrap_or(0)
+    };
+    let widths = [longest(false), longest(true)];
+    let title = |row: &ConvertedNumber| (row.system, row.way.map(|way| way.title));
     let mut text = String::new();
-    for system in rows.chunk_by(|a, b| a.system.title == b.system.title) {
-        let first = system[0].system;
+    for system in rows.chunk_by(|a, b| title(a) == title(b)) {
+        let first = &system[0];
         let separator = if text.is_empty() { "" } else { "\n" };
-        let (name, title, version) = (first.name, first.title, first.version);
         // Writing to a string cannot fail
-        let _ = writeln!(text, "{separator}{name}: {title} ({version})");
-        let _ = writeln!(text, "  {}", first.formula);
+        let _ = match first.way {
+            Some(way) => writeln!(
+                text,
+                "{separator}{}: {} ({})\n  {}",
+                first.system, way.title, way.version, way.formula
+            ),
+            None => writeln!(text, "{separator}{}", first.system),
+        };
+        let (width, column) = if is_plain(first) { (widths[1], 12) } else { (widths[0], 10) };
         for parameter in system.chunk_by(|a, b| a.parameter == b.parameter) {
             let values: Vec<String> =
-                parameter.iter().map(|row| format!("{:>10}", rounded(row.value))).collect();
+                parameter.iter().map(|row| format!("{:>column$}", rounded(row.value))).collect();
             let line =
                 format!("  {:<width$} {} {}", parameter[0].parameter, values.join(" "), parameter[0].unit);
             let _ = writeln!(text, "{}", line.trim_end());
-        }
-    }
-    text
-}
-
-/// Rows by their systems, which have no title.
-fn plain_paragraphs(rows: &[Row]) -> String {
-    let word = |row: &Row, i: usize| match &row[i] {
-        Cell::Word(word) => word.clone(),
-        Cell::Number(number) => rounded(*number),
-    };
-    let width = rows.iter().map(|row| word(row, 1).len()).max().unwrap_or(0);
-    let mut text = String::new();
-    for system in rows.chunk_by(|a, b| a[0] == b[0]) {
-        let separator = if text.is_empty() { "" } else { "\n" };
-        text += &format!("{separator}{}\n", word(&system[0], 0));
-        for parameter in system.chunk_by(|a, b| a[1] == b[1]) {
-            let values: Vec<String> = parameter.iter().map(|row| format!("{:>12}", word(row, 3))).collect();
-            text += &format!("  {:<width$} {}\n", word(&parameter[0], 1), values.join(" "));
         }
     }
     text

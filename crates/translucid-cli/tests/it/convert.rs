@@ -24,7 +24,7 @@ fn rows(words: &str) -> Vec<Row> {
         let fields: Vec<&str> = line.splitn(7, ',').collect();
         let text = |i: usize| fields[i].to_owned();
         let (kind, _) = fields[6].trim_start_matches('"').split_once(": ").expect("a kind of source");
-        assert!(["code", "document", "measured"].contains(&kind), "{kind}");
+        assert!(["code", "document", "measured", "computed"].contains(&kind), "{kind}");
         Row {
             system: text(0),
             parameter: text(1),
@@ -339,6 +339,11 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-walk"),
         ("--from maya:dmfp=2 --surface-albedo 0.5", "known are translucid"),
         (
+            "--from unreal-5.2:MeanFreePathDistance=1 --surface-albedo 0.5",
+            "did you mean unreal (5.1 and later) or",
+        ),
+        ("--from translucid:d=1 --surface-albedo 0.5 --to blender", "or cycles-walk (5.2 and 5.3) or"),
+        (
             "--from renderman:dmpf=2 --surface-albedo 0.5",
             "did you mean dmfp? Known are dmfp, dmfpColor, unitLength",
         ),
@@ -370,8 +375,17 @@ fn wrong_input_is_told_what_is_allowed() {
             "--to leaves out",
         ),
         ("--from translucid:d=1 --surface-albedo 0.5 --unit inch", "--unit"),
+        ("--from gltf:attenuationDistance=1 --surface-albedo 0.5", "--from gltf:attenuationColor is missing"),
         (
-            "--from gltf:attenuationDistance=1 --surface-albedo 0.5",
+            "--from gltf:attenuationColor=0.5 --surface-albedo 0.5",
+            "--from gltf:attenuationDistance is missing",
+        ),
+        (
+            "--from substrate:Thickness=0.01 --surface-albedo 0.5",
+            "--from substrate:TransmittanceColor is missing",
+        ),
+        (
+            "--from gltf:attenuationDistance=1 --from gltf:attenuationColor=1 --surface-albedo 0.5",
             "gltf:attenuationColor is 1, but must be in [0, 1)",
         ),
         (
@@ -383,7 +397,7 @@ fn wrong_input_is_told_what_is_allowed() {
             "absorptionDistance is -1, but must be 0 for none",
         ),
         (
-            "--from gltf:attenuationDistance=0 --surface-albedo 0.5",
+            "--from gltf:attenuationDistance=0 --from gltf:attenuationColor=0.5 --surface-albedo 0.5",
             "gltf:attenuationDistance is 0, but must be above 0",
         ),
         (
@@ -410,6 +424,25 @@ fn wrong_input_is_told_what_is_allowed() {
             "--from translucid:d=1 --surface-albedo 0.5 --color-space srgb",
             "--color-space is \"srgb\", but must be one of lin_rec709",
         ),
+        (
+            "--from translucid:d=1 --surface-albedo 0.5 --color-space srgb",
+            "did you mean lin_rec709? Numbers are linear",
+        ),
+        (
+            "--from translucid:d=1 --surface-albedo 0.5 --color-space acescg --from-color-space rec2020",
+            "--from-color-space is \"rec2020\", but must be one of lin_rec709",
+        ),
+        ("--wall-color 0.5", "--wall-balance"),
+        ("--wall-balance 0.5", "--wall-color"),
+        ("--wall-color 1.2 --wall-balance 0.5", "--wall-color is 1.2, but must be in (0, 1]"),
+        ("--wall-color 0.5,nan,0.5 --wall-balance 0.5", "--wall-color is NaN, but must be in (0, 1]"),
+        ("--wall-color 0.5,0.2 --wall-balance 0.5", "number of colors is 2, but must be 1 or 3"),
+        ("--wall-color 0.5 --wall-balance 0", "--wall-balance is 0, but must be in (0, 1]"),
+        ("--wall-color 0.5 --wall-balance 1e-5", "--wall-balance is 1e-5, but must be greater: no slab"),
+        ("--wall-color 0.9 --wall-balance 1 --eta 1.5", "--wall-balance is 1, but must be less: no slab"),
+        ("--wall-color 0.5 --wall-balance 0.5 --thin 0", "--thin is 0, but must be finite and above 0"),
+        ("--wall-color 0.5 --wall-balance 0.5 --eta 0.5", "--eta is 0.5, but must be in [1, 3]"),
+        ("--wall-color 0.5 --wall-balance 0.5 --from hdrp:scatteringDistance=1", "--from"),
         (
             "--from translucid:d=1 --surface-albedo 0.1,0.9,0.1 --from-color-space acescg --color-space lin_rec709",
             "in lin_rec709 surface_albedo is -",
@@ -460,6 +493,38 @@ fn a_slab_has_a_thin_wall_that_stands_for_it() {
     assert!(text.starts_with("slab\n  reflectance") && text.contains("\n\nblender\n"), "{text}");
 }
 
+/// From a material to its thin wall and back, and what is wrong leaves no file.
+#[test]
+fn a_thin_wall_leads_back_to_the_material() {
+    let find = |csv: &str, parameter: &str| -> Vec<f64> {
+        let start = format!("slab,{parameter},");
+        let of_row = |line: &str| line.split(',').nth(3).unwrap().parse().unwrap();
+        csv.lines().filter(|line| line.starts_with(&start)).map(of_row).collect()
+    };
+    let words = "convert --from translucid:mfp=0.5 --surface-albedo 0.8 --thin 0.7 --g 0.3 --eta 1.4";
+    let wall = stdout(&here(), words);
+    let value = |parameter: &str| -> f64 {
+        let start = format!("openpbr,{parameter},all,");
+        let line = wall.lines().find(|line| line.starts_with(&start)).unwrap();
+        line.split(',').nth(3).unwrap().parse().unwrap()
+    };
+    let (color, balance) = (value("subsurface_color"), 0.5 * (1.0 + value("subsurface_scatter_anisotropy")));
+    let words = format!("convert --wall-color {color} --wall-balance {balance} --thin 0.7 --g 0.3 --eta 1.4");
+    let slab = stdout(&here(), &words);
+    assert!((find(&slab, "mfp")[0] / 0.5 - 1.0).abs() < 1e-3, "{slab}");
+    assert!((find(&slab, "surface_albedo")[0] - 0.8).abs() < 1e-4, "{slab}");
+    let alpha = find(&slab, "single_scattering_albedo")[0];
+    let depth = 0.7 / (0.5 * (1.0 - 0.3 * alpha));
+    assert!((find(&slab, "thickness in mean free paths")[0] / depth - 1.0).abs() < 1e-3, "{slab}");
+    let three = stdout(&here(), "convert --wall-color 0.7,0.5,0.3 --wall-balance 0.4");
+    assert_eq!(find(&three, "mfp in thicknesses").len(), 3, "{three}");
+
+    let directory = tempfile::tempdir().unwrap();
+    let output = run(directory.path(), "convert --wall-color 2 --wall-balance 0.4 -o wall.csv");
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+}
+
 /// Gray stays gray in any color space; a color has the matrix's surface albedo, and lengths that are neither kept nor colors.
 #[test]
 fn other_primaries_mix_the_channels() {
@@ -495,6 +560,56 @@ fn other_primaries_mix_the_channels() {
     assert!(value(&same, "color space,misplaced,r").abs() < 1e-9);
 }
 
+/// Texels become what the command says of their numbers, and what is wrong leaves no file.
+#[test]
+fn textures_change_their_color_space_texel_by_texel() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, pixels: [[f32; 3]; 2]| {
+        let path = directory.path().join(name);
+        exr::prelude::write_rgb_file(path, 2, 1, |x, _| (pixels[x][0], pixels[x][1], pixels[x][2])).unwrap();
+    };
+    write("albedo.exr", [[0.75, 0.5, 0.25], [0.5, 0.5, 0.5]]);
+    write("mfp.exr", [[3.0, 1.0, 0.5], [2.0, 2.0, 2.0]]);
+    let words = "convert --albedo-texture albedo.exr --mfp-texture mfp.exr --color-space acescg -o out";
+    let output = run(directory.path(), words);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let [albedo, mfp] = ["surface_albedo.exr", "mfp.exr"].map(|name| {
+        let image = translucid_load::load_exr(&directory.path().join("out").join(name)).unwrap();
+        ["R", "G", "B"].map(|channel| {
+            let (_, values) = image.channels.iter().find(|(name, _)| name == channel).unwrap();
+            [f64::from(values[0]), f64::from(values[1])]
+        })
+    });
+    let found = rows(
+        "--from translucid:mfp=3,1,0.5 --surface-albedo 0.75,0.5,0.25 --color-space acescg --to translucid",
+    );
+    for (i, channel) in ["r", "g", "b"].into_iter().enumerate() {
+        assert!((albedo[i][0] - value(&found, "translucid", "surface_albedo", channel)).abs() < 1e-6);
+        let ratio = mfp[i][0] / value(&found, "translucid", "mfp", channel);
+        assert!((ratio - 1.0).abs() < 0.02, "{channel}: {ratio}");
+        assert!((albedo[i][1] - 0.5).abs() < 1e-6 && (mfp[i][1] - 2.0).abs() < 1e-6);
+    }
+    for (words, says) in [
+        ("--albedo-texture albedo.exr --mfp-texture mfp.exr -o new", "--color-space"),
+        ("--albedo-texture albedo.exr --color-space acescg -o new", "--mfp-texture"),
+        ("--albedo-texture albedo.exr --mfp-texture none.exr --color-space acescg -o new", "none.exr"),
+        (
+            "--albedo-texture albedo.exr --mfp-texture mfp.exr --color-space srgb -o new",
+            "did you mean lin_rec709?",
+        ),
+        (
+            "--albedo-texture mfp.exr --mfp-texture albedo.exr --color-space acescg -o new",
+            "mfp.exr, pixel (0, 0): to acescg surface_albedo is 3, but must be in [0, 1]",
+        ),
+    ] {
+        let output = run(directory.path(), &format!("convert {words}"));
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        assert!(message.contains(says), "{words}: {message}");
+        assert!(!directory.path().join("new").exists(), "{words}");
+    }
+}
+
 /// Every example of the documentation prints what stands below it there.
 #[test]
 fn documentation_prints_what_it_shows() {
@@ -510,5 +625,5 @@ fn documentation_prints_what_it_shows() {
         assert_eq!(String::from_utf8(output.stdout).unwrap().trim_end(), shown.trim_end(), "{words}");
         examples += 1;
     }
-    assert_eq!(examples, 2);
+    assert_eq!(examples, 3);
 }

@@ -8,11 +8,15 @@ mod filament;
 mod kubelka_munk;
 mod swatch;
 mod thin_wall;
+mod thin_wall_numbers;
+mod wall_slab;
 
 pub use filament::{Filament, MEANINGS};
 pub use kubelka_munk::kubelka_munk;
 pub use swatch::{Field, Swatch};
 pub use thin_wall::{DiffuseTransmissionWall, ScatteringWall, SlabChannel, SlabLight, ThinWall, WallErrors};
+pub use thin_wall_numbers::{thin_wall_numbers, wall_slab_numbers};
+pub use wall_slab::WallSlab;
 
 use rayon::prelude::*;
 use translucid_image::{ToneMapping, display_from_linear};

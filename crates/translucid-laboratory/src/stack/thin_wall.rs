@@ -51,7 +51,7 @@ impl SlabLight {
         g: f64,
         eta: f64,
     ) -> Result<Vec<Self>, ParameterError> {
-        require(thickness > 0.0 && thickness.is_finite(), "thickness", thickness, "finite and above 0")?;
+        require_thickness(thickness)?;
         let inversion = AlbedoInversion::new(g, eta, Configuration::Diffuse)?;
         channels
             .par_iter()
@@ -94,8 +94,13 @@ impl SlabLight {
     }
 }
 
+/// Passes on a thickness that slabs may have.
+pub(super) fn require_thickness(thickness: f64) -> Result<f64, ParameterError> {
+    require(thickness > 0.0 && thickness.is_finite(), "thickness", thickness, "finite and above 0")
+}
+
 /// An error of one layer, whose parameters are the caller's.
-fn parameter_of(error: translucid_reference::layers::LayersError) -> ParameterError {
+pub(super) fn parameter_of(error: translucid_reference::layers::LayersError) -> ParameterError {
     error.error
 }
 

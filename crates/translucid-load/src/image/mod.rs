@@ -43,6 +43,18 @@ pub fn load_image(
     Ok(Image { path: Some(path.to_owned()), ..image })
 }
 
+/// Loads an image of numbers, whatever colors the file states: integers by the curve of `color_space`, and nothing else changed.
+///
+/// # Errors
+/// As [`load_image`].
+pub fn load_plain_image(
+    path: &Path,
+    color_space: ColorSpace,
+    warnings: &mut Vec<Warning>,
+) -> Result<Image, SceneError> {
+    decode_for(Use::Scene, &Place::file(path), &read_file(path)?, ImageKind::Plain(color_space), warnings)
+}
+
 /// Loads an image of a scene as [`load_image`] does, as a part of a load.
 pub(crate) fn read_image(
     path: &Path,

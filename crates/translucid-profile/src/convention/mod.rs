@@ -55,10 +55,12 @@ mod channel;
 mod conversion;
 mod cycles_walk;
 mod known;
+mod mixed_texels;
 mod mixture;
 mod multiscatter;
 mod parameter;
 mod preset;
+mod primaries;
 mod rule;
 mod skin;
 mod system;
@@ -70,11 +72,13 @@ mod tests;
 pub use albedo::SurfaceAlbedo;
 pub use channel::Channel;
 pub use conversion::{
-    ArgumentNames, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
+    ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
 };
 pub use cycles_walk::CyclesWalk;
+pub use mixed_texels::TexelMixer;
 pub use mixture::MixedChannel;
 pub use parameter::{LengthUnit, Parameter, Role};
 pub use preset::{Preset, preset, presets};
+pub use primaries::{LINEAR_SPACES, rgb_from_rgb};
 pub use system::{Equal, Source, System, Written};
 pub use unit::Unit;

@@ -10,14 +10,18 @@
 mod layer;
 mod matrix;
 mod operators;
+#[cfg(not(target_family = "wasm"))]
 mod profile;
 mod rays;
 mod totals;
+#[cfg(not(target_family = "wasm"))]
 mod walk;
 
 pub use layer::{Deflection, Layer};
+#[cfg(not(target_family = "wasm"))]
 pub use profile::{DiffuseProfile, LayersProfile};
 pub use totals::Totals;
+#[cfg(not(target_family = "wasm"))]
 pub use walk::{Grid, LayersTally, Quantity};
 
 use std::fmt;

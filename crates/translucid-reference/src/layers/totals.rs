@@ -7,6 +7,7 @@ use super::operators::{LayerOperators, depth, face};
 use super::rays::{Rays, squared_indices};
 use super::{Ground, Layer, Layers};
 use crate::Incidence;
+#[cfg(not(target_family = "wasm"))]
 use crate::walk::Control;
 
 /// Energies per unit of flux that arrives from above; their sum is 1.
@@ -66,7 +67,7 @@ impl Layers {
     /// A layer that scatters is thicker than 1e15 mean free paths, a pencil's cosine is not in [1e-4, 1], or the incidence is given inside a medium ([`Incidence::UniformCosine`]).
     pub fn totals(&self, incidence: Incidence) -> Result<Totals, ParameterError> {
         // Nobody stops it
-        self.totals_within(ENOUGH, incidence, &Control::default()).map(|totals| totals.expect("totals"))
+        self.totals_while(ENOUGH, incidence, &mut |_| true).map(|totals| totals.expect("totals"))
     }
 
     /// [`totals`](Self::totals) by the first rule whose error is below a tolerance, or by the finest; nothing if it is
@@ -77,11 +78,25 @@ impl Layers {
     ///
     /// # Errors
     /// The tolerance is not in [1e-12, 0.1], or those of [`totals`](Self::totals).
+    #[cfg(not(target_family = "wasm"))]
     pub fn totals_within(
         &self,
         tolerance: f64,
         incidence: Incidence,
         control: &Control,
+    ) -> Result<Option<Totals>, ParameterError> {
+        self.totals_while(tolerance, incidence, &mut |done| {
+            (control.progress)(done);
+            !control.stops()
+        })
+    }
+
+    /// [`totals`](Self::totals) to a tolerance, as long as `goes_on`, which is told the thousandths done, says so.
+    fn totals_while(
+        &self,
+        tolerance: f64,
+        incidence: Incidence,
+        goes_on: &mut dyn FnMut(u64) -> bool,
     ) -> Result<Option<Totals>, ParameterError> {
         require((1e-12..=0.1).contains(&tolerance), "tolerance", tolerance, "in [1e-12, 0.1]")?;
         let beam = self.beam(incidence)?;
@@ -102,8 +117,7 @@ impl Layers {
             let rays = Rays::new(self, *count, beam);
             let solved = self.totals_by(&rays, &mut || {
                 done += (count * count * count) as u64;
-                (control.progress)(1000 * done / all);
-                !control.stops()
+                goes_on(1000 * done / all)
             });
             let Some(now) = solved else { return Ok(None) };
             let Some(before) = totals else {

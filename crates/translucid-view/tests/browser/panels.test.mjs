@@ -91,6 +91,22 @@ test("numbers of every system, those of one, and a copy", async () => {
     await view.choose("numbers-system", "");
 });
 
+test("numbers are those of another color space, and of thin walls", async () => {
+    await view.choose("numbers-space", "ACEScg");
+    await page.locator("#numbers-tables", { hasText: "misplaced if lengths were kept" }).waitFor();
+    await page.locator("#numbers-thin").fill("0.5");
+    await page.locator("#numbers-thin").press("Enter");
+    await page.locator("#numbers-tables", { hasText: "geometry_thin_walled" }).waitFor();
+    assert.match(await text("numbers-command"), /--color-space acescg --thin 0.5 --eta [\d.]+$/);
+    await page.locator("#numbers-thin").fill("-1");
+    await page.locator("#numbers-thin").press("Enter");
+    await page.locator("#numbers-notes", { hasText: "thickness is -1, but must be finite and above 0" }).waitFor();
+    await page.locator("#numbers-thin").fill("");
+    await page.locator("#numbers-thin").press("Enter");
+    await view.choose("numbers-space", "Rec. 709");
+    await page.locator("#numbers-tables", { hasText: "renderman" }).waitFor();
+});
+
 test("numbers follow the material", async () => {
     const before = await text("numbers-tables");
     await view.type("material-mfp-red", 1.5);

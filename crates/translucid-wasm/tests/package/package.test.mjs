@@ -138,6 +138,46 @@ test("conversions are the command's", () => {
     refused(() => convert("renderman", { dmfp: 20 }, { unit: "inch" }), 'unit is "inch", but must be one of mm, cm, m');
 });
 
+test("color spaces and thin walls are the command's, and a wall leads back to its slab", () => {
+    const material = [{ mfp: [0.3, 0.2, 0.1] }, { surfaceAlbedo: [0.8, 0.6, 0.3] }];
+    const words = ["convert", "--from", "translucid:mfp=0.3,0.2,0.1", "--surface-albedo", "0.8,0.6,0.3"];
+    for (const [options, ...more] of [
+        [{ colorSpace: "acescg" }, "--color-space", "acescg"],
+        [{ thin: 0.2, g: 0.5, eta: 1.4 }, "--thin", "0.2", "--g", "0.5", "--eta", "1.4"],
+        [{ thin: 0.2, colorSpace: "lin_rec2020" }, "--thin", "0.2", "--color-space", "lin_rec2020"],
+    ]) {
+        const { numbers } = convert("translucid", material[0], { ...material[1], ...options });
+        const found = numbers.map(({ value }) => value);
+        const expected = column(run(...words, ...more), "value");
+        assert.equal(found.length, expected.length);
+        found.forEach((value, i) => assert.ok(Math.abs(value - expected[i]) <= 1e-9 * Math.max(1, Math.abs(expected[i])), `${JSON.stringify(options)} ${i}`));
+    }
+    const { values } = slab({ color: 0.7, balance: [0.3, 0.5, 0.6], thin: 2 });
+    const back = convert("translucid", { mfp: values.slab.mfp }, { surfaceAlbedo: values.slab.surface_albedo, thin: 2 }).values.slab;
+    back.transmittance.forEach((value, i) => assert.ok(Math.abs(value - 0.7 * [0.3, 0.5, 0.6][i]) < 1e-4, `${value}`));
+});
+
+test("wrong conversions are refused in one line, by name", () => {
+    const plain = (options, parameters = { mfp: 1 }) => () => convert("translucid", parameters, { surfaceAlbedo: 0.5, ...options });
+    for (const [f, message] of [
+        [plain({ colorSpace: "srgb" }), /^colorSpace is "srgb", but must be one of lin_rec709, .*did you mean lin_rec709\?/],
+        [plain({ fromColorSpace: "acescg" }), /^colorSpace is missing/],
+        [plain({ thin: 0 }), "thin is 0, but must be finite and above 0"],
+        [plain({ thin: 1, g: 1 }), "g is 1, but must be in [-0.95, 0.95]"],
+        [plain({ thin: 1, eta: 4 }), "eta is 4, but must be in [1, 3]"],
+        [plain({ g: 0.5 }), /^g is that of a slab/],
+        [plain({ thin: 1, to: "hdrp" }), /^thin gives the numbers of thin walls/],
+        [plain({ surfaceAlbedo: 1.2 }), "surfaceAlbedo is 1.2, but must be in [0, 1]"],
+        [plain({}, { mfp: -1 }), /^source translucid:mfp is -1, but must be/],
+        [() => convert("gltf", { attenuationDistance: 1 }, { surfaceAlbedo: 0.5 }), /^source gltf:attenuationColor is missing/],
+        [() => slab({ color: 1.2, balance: 0.5 }), "color is 1.2, but must be in (0, 1]"],
+        [() => slab({ color: 0.9, balance: 1, eta: 1.5 }), /^balance is 1, but must be less: no slab/],
+        [() => slab({ color: 0.5 }), "balance is missing"],
+    ]) {
+        refused(f, message);
+    }
+});
+
 test("presets are the command's", () => {
     const all = translucid.presets();
     const listed = run("render", "--preset", "list");

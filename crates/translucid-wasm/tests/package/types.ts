@@ -1,6 +1,6 @@
 // What the types allow and what they refuse: read by tsc, never run.
 
-import init, { HalfSpace, Profile, TranslucidError, convert, exportText, models, preset, systems } from "translucid";
+import init, { HalfSpace, Profile, TranslucidError, convert, exportText, models, preset, slab, systems } from "translucid";
 
 await init();
 await init(new URL("https://example.org/translucid.wasm"));
@@ -22,6 +22,9 @@ const radius: number | number[] | undefined = convert("renderman", { dmfp: [20, 
     to: ["cycles-burley", "arnold"],
     settings: { arnold: { scale: 1 } },
 }).values["arnold"]?.["radius"];
+const wall: number | number[] | undefined = convert("translucid", { mfp: 1 }, { surfaceAlbedo: 0.8, thin: 2, eta: 1.4, colorSpace: "acescg" })
+    .values["openpbr"]?.["subsurface_color"];
+const depth: number | number[] | undefined = slab({ color: [0.8, 0.5, 0.3], balance: 0.5, g: 0.2 }).values["slab"]?.["mfp in thicknesses"];
 const text: string = exportText({ to: "wgsl", what: ["profile", "sampler"], model: "gaussians", preset: "skin1" });
 const albedo: [number, number, number] = preset("skin1").surfaceAlbedo;
 const names: string[] = [...models(), ...systems().map((system) => system.name)];
@@ -39,7 +42,11 @@ new Profile({ model: "burley", surfaceAlbedo: 0.6, mfp: 1 });
 new HalfSpace({ surfaceAlbedo: 0.5, singleScatteringAlbedo: 0.5 });
 // @ts-expect-error: images are made by the command
 exportText({ to: "exr", what: "lut" });
+// @ts-expect-error: no linear space
+convert("translucid", { mfp: 1 }, { colorSpace: "srgb" });
+// @ts-expect-error: no balance
+slab({ color: 0.5 });
 // @ts-expect-error: it cannot be set
 jade.total = 1;
 
-export { albedo, error, errors, many, more, names, one, radius, text, total, value };
+export { albedo, depth, error, errors, many, more, names, one, radius, text, total, value, wall };

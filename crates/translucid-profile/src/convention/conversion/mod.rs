@@ -1,5 +1,6 @@
 //! A material in the numbers of other systems: from the parameters of one to those of all.
 
+mod color_space;
 mod names;
 mod rows;
 mod setting;
@@ -7,6 +8,7 @@ mod setting;
 use super::{Channel, Parameter, Role, SurfaceAlbedo, System, Unit};
 use crate::short::Short;
 use crate::{Configuration, InputError, ParameterError};
+pub use color_space::ColorSpaces;
 pub use names::conversion_system_names;
 pub use rows::ConvertedNumber;
 pub use setting::Setting;
@@ -22,6 +24,22 @@ pub struct ArgumentNames {
     pub to: &'static str,
     /// Name of [`Conversion::set`].
     pub set: &'static str,
+    /// Name of [`ColorSpaces::to`].
+    pub color_space: &'static str,
+    /// Name of [`ColorSpaces::from`].
+    pub from_color_space: &'static str,
+}
+
+impl ArgumentNames {
+    /// The names of the fields.
+    pub const FIELDS: Self = Self {
+        from: "from",
+        surface_albedo: "surface_albedo",
+        to: "to",
+        set: "set",
+        color_space: "color_space",
+        from_color_space: "from_color_space",
+    };
 }
 
 /// A material in the numbers of one system, to be expressed in those of others.
@@ -41,7 +59,8 @@ pub struct ArgumentNames {
 ///     to: &["hdrp"],
 ///     set: &[],
 ///     configuration: Configuration::Diffuse,
-///     names: ArgumentNames { from: "from", surface_albedo: "surface_albedo", to: "to", set: "set" },
+///     color_space: None,
+///     names: ArgumentNames::FIELDS,
 /// };
 /// let hdrp = conversion.run()?.numbers;
 /// assert_eq!(hdrp[1].parameter, "scatteringDistance");
@@ -64,6 +83,8 @@ pub struct Conversion<'a> {
     pub set: &'a [Setting],
     /// How light enters in the fit between the width of a profile and the mean free path of a medium.
     pub configuration: Configuration,
+    /// Color spaces of the channels before and after; none where they stay what they are.
+    pub color_space: Option<ColorSpaces<'a>>,
     /// Names of all these for messages.
     pub names: ArgumentNames,
 }
@@ -71,7 +92,8 @@ pub struct Conversion<'a> {
 /// A material in the numbers of other systems.
 #[derive(Clone, Debug, Default)]
 pub struct Converted {
-    /// The numbers, system by system, the surface albedo first.
+    /// The numbers, system by system, the surface albedo first; behind them, under "color space", the shares of the light that
+    /// a change of color space leaves at another radius.
     pub numbers: Vec<ConvertedNumber>,
     /// Systems without numbers, and systems that will not use theirs as they are.
     pub notes: Vec<String>,
@@ -85,7 +107,7 @@ impl Conversion<'_> {
     pub fn run(&self) -> Result<Converted, InputError> {
         Setting::require_different(self.names.from, self.from)?;
         Setting::require_different(self.names.set, self.set)?;
-        let channels = self.channels()?;
+        let (channels, shares) = self.mixed_channels()?;
         let targets = self.targets()?;
         for setting in self.set {
             self.require_target(setting, &targets)?;
@@ -95,7 +117,7 @@ impl Conversion<'_> {
             match rows::write(target, &channels, self.set, self.to_unit, self.configuration) {
                 Ok((more, note)) => {
                     // A system with several ways has one surface albedo
-                    let is_told = |row: &ConvertedNumber| row.is_albedo() && row.system.name == target.name;
+                    let is_told = |row: &ConvertedNumber| row.is_albedo() && row.system == target.name;
                     let is_repeated = converted.numbers.iter().any(is_told);
                     converted
                         .numbers
@@ -109,7 +131,32 @@ impl Conversion<'_> {
                 Err(error) => return Err(self.target_error(target, &error)),
             }
         }
+        converted.numbers.extend(shares);
         Ok(converted)
+    }
+
+    /// The material's channels, one or three, in the color space that it goes to, with lengths in the unit of the scene that it
+    /// comes from; and the shares of their light that the change of color space leaves at another radius.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run), as far as they concern the material.
+    pub fn material(&self) -> Result<(Vec<Channel>, Vec<ConvertedNumber>), InputError> {
+        Setting::require_different(self.names.from, self.from)?;
+        let (channels, shares) = self.mixed_channels()?;
+        let per_millimeter = 1.0 / self.unit.in_millimeters();
+        let channels: Result<_, ParameterError> =
+            channels.iter().map(|channel| channel.in_unit(per_millimeter)).collect();
+        let fail = |error| InputError::new(format!("{} gives a material whose {error}", self.names.from));
+        Ok((channels.map_err(fail)?, shares))
+    }
+
+    /// The channels in the color space that they go to, with lengths in millimeters.
+    fn mixed_channels(&self) -> Result<(Vec<Channel>, Vec<ConvertedNumber>), InputError> {
+        let channels = self.channels()?;
+        match &self.color_space {
+            Some(spaces) => spaces.mix(&channels, self.configuration, &self.names),
+            None => Ok((channels, Vec::new())),
+        }
     }
 
     /// The systems to convert to, in the order asked for.
@@ -138,6 +185,8 @@ impl Conversion<'_> {
                 )));
             }
         };
+
+        self.require_attenuation(source)?;
 
         // Let every parameter have a value in every channel
         let values: Vec<Vec<f64>> = (0..count)
@@ -184,6 +233,24 @@ impl Conversion<'_> {
         // Absorption may have made another channel the greatest
         let greatest = channels.iter().map(|c| c.albedo().of_channel()).fold(0.0, f64::max);
         channels.into_iter().map(|channel| channel.among(greatest).map_err(fail)).collect()
+    }
+
+    /// A color at a distance needs both: neither has a default that says a length.
+    fn require_attenuation(&self, source: &System) -> Result<(), InputError> {
+        let parts = |p: &&Parameter| matches!(p.role, Role::Attenuation | Role::Distance);
+        if !source.parameters.iter().any(|p| p.role == Role::Attenuation) {
+            return Ok(());
+        }
+        let is_given = |p: &&Parameter| self.from.iter().any(|setting| setting.is_of(p));
+        let Some(missing) = source.parameters.iter().filter(parts).find(|p| !is_given(p)) else {
+            return Ok(());
+        };
+        let (from, system) = (self.names.from, source.name);
+        let names: Vec<&str> = source.parameters.iter().filter(parts).map(|p| p.name).collect();
+        Err(InputError::new(format!("{from} {system}:{} is missing", missing.name)).with_help(format!(
+            "a length needs {}: the distance, and the color that is left of white light behind it",
+            names.join(" and ")
+        )))
     }
 
     fn albedos(&self, source: &System, values: &[Vec<f64>]) -> Result<Vec<f64>, InputError> {

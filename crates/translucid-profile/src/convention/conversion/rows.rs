@@ -5,11 +5,13 @@ use crate::convention::{Channel, Equal, Parameter, Role, System, Unit, Written a
 use crate::short::Short;
 use crate::{Configuration, ParameterError};
 
-/// One number of one system.
+/// One number of one system, or one that was computed beside those.
 #[derive(Clone, Debug)]
 pub struct ConvertedNumber {
-    /// The system.
-    pub system: &'static System,
+    /// Name of the system, or of what else the number is about.
+    pub system: &'static str,
+    /// The way to specify a material in the system, if it is one that materials are converted between.
+    pub way: Option<&'static System>,
     /// Name of the parameter in the system.
     pub parameter: &'static str,
     /// "all", or "r", "g", "b".
@@ -18,11 +20,33 @@ pub struct ConvertedNumber {
     pub value: f64,
     /// Its unit, with the factors that the system multiplies it by; empty for numbers without one.
     pub unit: String,
-    /// Quantity that the conversion keeps: "surface_albedo", "d" or "mfp".
+    /// Quantity that the conversion keeps: "surface_albedo", "d" or "mfp"; empty for other numbers.
     pub equal: &'static str,
+    /// Kind of the source and its place, with a colon between.
+    pub source: String,
 }
 
 impl ConvertedNumber {
+    /// Numbers without a unit that no system's rule gives, one for all channels, or one for each.
+    pub fn computed(
+        system: &'static str,
+        parameter: &'static str,
+        values: &[f64],
+        source: &str,
+    ) -> Vec<Self> {
+        let number = |(i, &value): (usize, &f64)| Self {
+            system,
+            way: None,
+            parameter,
+            channel: channel_name(i, values.len()),
+            value,
+            unit: String::new(),
+            equal: "",
+            source: source.to_owned(),
+        };
+        values.iter().enumerate().map(number).collect()
+    }
+
     /// Returns whether it is the surface albedo, which all ways of a system share.
     pub(super) fn is_albedo(&self) -> bool {
         self.equal == "surface_albedo"
@@ -67,7 +91,16 @@ pub(super) fn write(
     // Print every parameter, the surface albedo first
     let mut rows = Vec::new();
     let mut push = |parameter, channel, value, unit: &str, equal| {
-        rows.push(ConvertedNumber { system, parameter, channel, value, unit: unit.to_owned(), equal });
+        rows.push(ConvertedNumber {
+            system: system.name,
+            way: Some(system),
+            parameter,
+            channel,
+            value,
+            unit: unit.to_owned(),
+            equal,
+            source: format!("{}: {}", system.source.kind, system.source.place),
+        });
     };
     if let Some(name) = system.albedo_name {
         for (i, channel) in channels.iter().enumerate() {
