@@ -26,7 +26,7 @@ pub(super) enum Truth<'a> {
 }
 
 /// Kinds with a phase function or a boundary of their own.
-const KINDS: [(f64, f64); 5] = [(0.0, 1.4), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
+const KINDS: [(f64, f64); 6] = [(0.0, 1.4), (-0.5, 1.0), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
 /// Surface albedos of the plain kinds, and of all others.
 const ALBEDOS: [f64; 13] = [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.98];
 const FEW_ALBEDOS: [f64; 5] = [0.2, 0.5, 0.8, 0.9, 0.95];
@@ -61,9 +61,9 @@ impl Kind {
         self.configuration.into()
     }
 
-    /// Length by which light of this kind forgets its direction, in mean free paths, where nothing is absorbed.
+    /// Length by which light of this kind forgets its direction, in mean free paths, where nothing is absorbed; at least 1.
     pub(super) fn reach(&self) -> f64 {
-        1.0 / (1.0 - self.g)
+        1.0 / (1.0 - self.g.max(0.0))
     }
 
     /// Radii of its profiles, in mean free paths.
@@ -82,6 +82,16 @@ impl Kind {
         let totals = layers.totals(self.incidence())?;
         let entered = 1.0 - specular_reflectance(self.incidence(), self.eta);
         Ok(Estimate { value: totals.diffuse_reflectance / entered, error: totals.error / entered })
+    }
+
+    /// Single-scattering albedos of the half spaces whose light by radius is wanted: by the exact solution where it is that
+    /// which the light is taken from.
+    pub(super) fn media(&self, surface_albedos: &[f64]) -> Result<Vec<f64>, ParameterError> {
+        if self.is_exact() {
+            let exact = |a: &f64| single_scattering_albedo(*a, self.eta, self.incidence());
+            return surface_albedos.iter().map(exact).collect();
+        }
+        Ok(self.single_scattering_albedos(surface_albedos)?.into_iter().map(|[alpha, _]| alpha).collect())
     }
 
     /// Single-scattering albedos of the half spaces of some surface albedos, and the errors of the surface albedos that
