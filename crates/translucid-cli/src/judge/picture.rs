@@ -81,7 +81,7 @@ impl Location {
         let found = symmetry::edge(photo, line).map(Self::Edge);
         found.ok_or_else(|| {
             String::from(
-                "the edge of light is too close to the picture's border, or light is not odd around it",
+                "the edge of light is too close to the picture's border, or the light's width too large for the picture: show more of the plane",
             )
         })
     }

@@ -53,8 +53,8 @@ fn of_half_spaces(own: &[(&'static str, &'static str, &'static str)]) -> Vec<Col
     columns(&[&[CONFIGURATION, G, ETA, A_OF_MEDIUM, ALPHA], own, &[METHOD]].concat())
 }
 
-const METHOD_OF_PROFILE: &str = "g = 0: the half space solved exactly, errors: estimates of the greatest numerical error. Other g: a walk of photons (seed 1), errors: one standard error, or one photon of the greatest weight where none has left; R is then the mean over two rings that are 2 % of the radius wide or less.";
-const METHOD_OF_SHAPES: &str = "The lit part of each circle around the place, times the light that leaves at its radius. g = 0: by the half space solved exactly, error: an estimate of the greatest numerical error. Other g: by rings of a walk of photons (seed 1), error: one standard error, or one photon of the greatest weight where none has left.";
+const METHOD_OF_PROFILE: &str = "g = 0: the half space solved exactly, errors: estimates of the greatest numerical error, under a boundary 50 times the solution's own estimate. Other g: a walk of photons (seed 1), errors: one standard error, or one photon of the greatest weight where none has left; R is then the mean over two rings that are 2 % of the radius wide or less.";
+const METHOD_OF_SHAPES: &str = "The lit part of each circle around the place, times the light that leaves at its radius. g = 0: by the half space solved exactly, error: an estimate of the greatest numerical error, under a boundary 50 times the solution's own estimate. Other g: by rings of a walk of photons (seed 1), error: one standard error, or one photon of the greatest weight where none has left.";
 
 /// All tables.
 pub(super) fn all() -> Vec<Table> {
@@ -222,7 +222,7 @@ fn part(truth: &Truth<'_>, shape: LitShape) -> [f64; 2] {
     let value = response.value / total.value;
     [
         value,
-        (response.error + value * if matches!(truth, Truth::Exact(_)) { total.error } else { 0.0 })
+        (response.error + value * if matches!(truth, Truth::Exact(..)) { total.error } else { 0.0 })
             / total.value,
     ]
 }

@@ -21,7 +21,8 @@ pub(super) struct Kind {
 
 /// Light of one half space by radius, in mean free paths.
 pub(super) enum Truth<'a> {
-    Exact(Box<HalfSpace>),
+    /// With the factor that its errors take.
+    Exact(Box<HalfSpace>, f64),
     Walk(AtAlbedo<'a>, &'a WhiteTable),
 }
 
@@ -179,19 +180,29 @@ impl From<ParameterError> for Fault {
     }
 }
 
+/// Errors under a boundary by the estimates of the solution, which compare two rules over directions that are much alike.
+const BOUNDARY_MARGIN: f64 = 50.0;
+
+fn widened(Estimate { value, error }: Estimate, margin: f64) -> Estimate {
+    Estimate { value, error: margin * error }
+}
+
 impl<'a> Truth<'a> {
     /// The light of the medium of a kind, by the walk of that kind if it has one.
     pub(super) fn of(kind: &Kind, alpha: f64, walk: Option<&'a WhiteTable>) -> Result<Self, ParameterError> {
         match walk {
             Some(table) => Ok(Self::Walk(table.at_albedo(alpha)?, table)),
-            None => Ok(Self::Exact(Box::new(HalfSpace::with_boundary(alpha, kind.eta, kind.incidence())?))),
+            None => {
+                let half_space = HalfSpace::with_boundary(alpha, kind.eta, kind.incidence())?;
+                Ok(Self::Exact(Box::new(half_space), if kind.eta == 1.0 { 1.0 } else { BOUNDARY_MARGIN }))
+            }
         }
     }
 
     /// How it is known, in a word.
     pub(super) fn method(&self) -> &'static str {
         match self {
-            Self::Exact(_) => "exact",
+            Self::Exact(..) => "exact",
             Self::Walk(..) => "walk",
         }
     }
@@ -199,7 +210,7 @@ impl<'a> Truth<'a> {
     /// Surface albedo A.
     pub(super) fn total(&self) -> Estimate {
         match self {
-            Self::Exact(half_space) => half_space.total(),
+            Self::Exact(half_space, margin) => widened(half_space.total(), *margin),
             Self::Walk(at, _) => at.total(Side::Reflected),
         }
     }
@@ -207,7 +218,9 @@ impl<'a> Truth<'a> {
     /// R at one of the kind's radii, and the light within it; of a walk R is the mean over narrow rings on both sides.
     pub(super) fn at_radius(&self, r: f64) -> [Estimate; 2] {
         match self {
-            Self::Exact(half_space) => [half_space.eval(r), half_space.enclosed(r)],
+            Self::Exact(half_space, margin) => {
+                [half_space.eval(r), half_space.enclosed(r)].map(|found| widened(found, *margin))
+            }
             Self::Walk(at, table) => {
                 let edge = table.layout().radii().partition_point(|edge| *edge < r * (1.0 - 1e-9));
                 // The two rings on both sides: their mean is R(r) but for its curvature
@@ -226,7 +239,7 @@ impl<'a> Truth<'a> {
     /// Light beside a lit shape, as [`LitShape::response`].
     pub(super) fn response(&self, shape: &LitShape) -> Estimate {
         match self {
-            Self::Exact(half_space) => shape.response(&**half_space),
+            Self::Exact(half_space, margin) => widened(shape.response(&**half_space), *margin),
             Self::Walk(at, table) => {
                 let photons = table.photons() as f64;
                 let radii = table.layout().radii();

@@ -280,43 +280,6 @@ mod tests {
         }
     }
 
-    /// Errors of the oracle's tables: at every radius of theirs, near the point and far away, where rules are least good.
-    #[test]
-    fn errors_cover_the_differences_from_other_settings_at_all_radii() {
-        let mut worst = 0.0f64;
-        let cases: &[(f64, Incidence)] = &[
-            (0.99, Incidence::Cosine),
-            (0.8, Incidence::NORMAL),
-            (0.999, Incidence::NORMAL),
-            (0.9999, Incidence::Cosine),
-        ];
-        for &(alpha, incidence) in cases {
-            let [found, other] = [DielectricSettings::default(), OTHER]
-                .map(|settings| solve(alpha, 1.4, incidence, &settings));
-            for i in 0..=40 {
-                let r = 0.01 * libm::pow(10.0, 0.1 * f64::from(i));
-                let pairs = [
-                    (found.eval(r), other.eval(r), "R"),
-                    (found.split(r)[0], other.split(r)[0], "within"),
-                    (found.split(r)[1], other.split(r)[1], "beyond"),
-                ];
-                for (found, other, what) in pairs {
-                    let off = (found.value - other.value).abs();
-                    println!(
-                        "{alpha} {incidence:?} {r:8.4} {what:7} value {:.3e} off {off:.2e} rel {:.1e} error {:.2e} ratio {:.2}",
-                        found.value,
-                        off / found.value,
-                        found.error,
-                        off / found.error
-                    );
-                    worst = worst.max(off / found.error);
-                }
-            }
-        }
-        println!("worst {worst}");
-        assert!(worst < 1.0, "{worst}");
-    }
-
     /// All albedos and indices that the accuracy is stated for: a minute, when tests run with their whole power; else a
     /// choice.
     #[test]
