@@ -37,24 +37,18 @@ Examples:
   translucid export --to hlsl --what transmittance --preset skin1 --eta 1.4 -o skin.hlsl
   translucid export --to materialx --what material --preset marble --unit cm -o marble.mtlx";
 
-/// Writes profiles as text for other renderers: shaders, C, C++, OSL, MaterialX
+/// Writes profiles and tables of materials for other renderers: shaders, C, C++, OSL, MaterialX, images
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ExportArguments {
-    /// Language to write
+    /// Language or format of images to write
     #[arg(long, value_name = "LANGUAGE")]
     to: TargetName,
     /// Subjects of the text, comma-separated
     #[arg(long, value_name = "SUBJECTS", value_delimiter = ',', required = true)]
     what: Vec<SubjectName>,
-    /// Models of the profile, comma-separated
-    #[arg(
-        long,
-        value_name = "MODELS",
-        value_delimiter = ',',
-        default_value = Model::NormalizedDiffusion.name(),
-        hide_possible_values = true
-    )]
+    /// Models of the profile, comma-separated [default: normalized-diffusion]
+    #[arg(long, value_name = "MODELS", value_delimiter = ',', hide_possible_values = true)]
     model: Vec<ModelName>,
     /// Material whose numbers become constants; `translucid render --preset list` shows all
     #[arg(long, value_name = "NAME", conflicts_with_all = ["surface_albedo", "mfp", "dmfp"])]
@@ -74,7 +68,7 @@ pub(crate) struct ExportArguments {
         requires = "surface_albedo"
     )]
     mfp: Vec<f64>,
-    /// Diffuse mean free path on the surface, in place of --mfp
+    /// Diffuse mean free path on the surface, in place of --mfp; the text's head lists the mean free paths that it means
     #[arg(
         long,
         value_name = "L",
@@ -84,7 +78,7 @@ pub(crate) struct ExportArguments {
         conflicts_with = "mfp"
     )]
     dmfp: Vec<f64>,
-    /// How light enters the medium [default: diffuse, with --dmfp searchlight]
+    /// How light enters the medium [default: diffuse; with --dmfp searchlight, which judge and convert do not mean]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
     /// Mean cosine of the phase function, for an inversion and a transmittance, in [-0.95, 0.95]
@@ -102,7 +96,7 @@ pub(crate) struct ExportArguments {
     /// Greatest curvature of a lut, per length [default: 1 over the longest length of the material]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     most_curvature: Option<f64>,
-    /// Greatest thickness of a transmittance [default: where little light is left]
+    /// Greatest thickness of a transmittance [default: where less than 1/256 is left of the brightest channel]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     most_thickness: Option<f64>,
     /// File to write instead of stdout
@@ -148,7 +142,11 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         check_writable(path)?;
     }
     let subjects: Vec<Subject> = arguments.what.iter().map(|name| name.0).collect();
-    let models = arguments.model.iter().map(|name| model(*name)).collect::<Result<Vec<_>, _>>()?;
+    require_used(arguments, &subjects)?;
+    let mut models = arguments.model.iter().map(|name| model(*name)).collect::<Result<Vec<_>, _>>()?;
+    if models.is_empty() {
+        models.push(Model::NormalizedDiffusion);
+    }
     let by_default =
         if arguments.dmfp.is_empty() { ConfigurationName::Diffuse } else { ConfigurationName::Searchlight };
     let export = Export {
@@ -172,6 +170,40 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         }
         (None, _) => printed(io::stdout().lock().write_all(&bytes)),
     }
+}
+
+/// Refuses options that no subject makes use of.
+fn require_used(arguments: &ExportArguments, subjects: &[Subject]) -> Result<(), Failure> {
+    let has = |list: &[Subject]| subjects.iter().any(|subject| list.contains(subject));
+    let names = || subjects.iter().map(|subject| subject.name()).collect::<Vec<_>>().join(",");
+    for (option, is_given, is_used, users) in [
+        (
+            "--model",
+            !arguments.model.is_empty(),
+            subjects.iter().any(|subject| subject.has_model()),
+            "subjects with a profile",
+        ),
+        ("--taps", arguments.taps.is_some(), has(&[Subject::Disk, Subject::Kernel]), "disk and kernel"),
+        (
+            "--size",
+            arguments.size.is_some(),
+            has(&[Subject::Lut, Subject::Transmittance]),
+            "lut and transmittance",
+        ),
+        ("--most-curvature", arguments.most_curvature.is_some(), has(&[Subject::Lut]), "lut"),
+        (
+            "--most-thickness",
+            arguments.most_thickness.is_some(),
+            has(&[Subject::Transmittance]),
+            "transmittance",
+        ),
+    ] {
+        if is_given && !is_used {
+            return Err(Failure::input(format!("{option} is for {users}, but --what is {}", names()))
+                .with_help(format!("leave {option} out")));
+        }
+    }
+    Ok(())
 }
 
 fn sizes(arguments: &ExportArguments) -> Sizes {

@@ -59,7 +59,7 @@ const FEWEST_PHOTONS: u64 = 1000;
 pub(crate) fn run(arguments: &OracleArguments) -> Result<(), Failure> {
     if arguments.photons < FEWEST_PHOTONS {
         let message = format!("--photons is {}, but must be at least {FEWEST_PHOTONS}", arguments.photons);
-        return Err(Failure::input(message).with_help("fewer know no error of their own"));
+        return Err(Failure::input(message).with_help("errors of fewer photons would themselves be unknown"));
     }
     let all = oracle_names();
     let wanted = |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|only| only == name);

@@ -37,7 +37,7 @@ pub struct Sizes {
     /// Greatest curvature of a pre-integrated table \[L⁻¹\]; without one, 1 over the longest length.
     pub most_curvature: Option<f64>,
     /// Greatest thickness of transmittances \[L\], which have as many columns as a pre-integrated table; without one, where
-    /// little light is left.
+    /// less than 1/256 is left of the brightest channel.
     pub most_thickness: Option<f64>,
 }
 
@@ -67,9 +67,9 @@ pub struct Export<'a> {
     pub material: Option<Material>,
     /// How light enters.
     pub configuration: Configuration,
-    /// Mean cosine of the phase function, for an inversion; 0 otherwise.
+    /// Mean cosine of the phase function, for an inversion and a transmittance; 0 otherwise.
     pub g: f64,
-    /// Relative index of refraction, for an inversion and moments of the Fresnel reflectance; 1 otherwise.
+    /// Relative index of refraction, for an inversion, a transmittance and moments of the Fresnel reflectance; 1 otherwise.
     pub eta: f64,
     /// Sizes of tables.
     pub sizes: Sizes,
@@ -102,10 +102,10 @@ impl Export<'_> {
             Target::Text(language) => {
                 let tables = self.tables(language)?;
                 let subjects = self.subjects.iter().map(|subject| subject.name());
-                let content: Vec<&str> =
-                    subjects.chain(self.models.iter().map(|model| model.name())).collect();
+                let models = if self.has_model() { self.models } else { &[] };
+                let content: Vec<&str> = subjects.chain(models.iter().map(|model| model.name())).collect();
                 let definitions = language.translate(&formulas) + &tables;
-                let head = self.head(&functions, language, language);
+                let head = self.head(&functions, language, language)?;
                 Ok(language.file(&head, &definitions, &content.join("_")).into_bytes())
             }
             Target::MaterialX => {
@@ -114,7 +114,7 @@ impl Export<'_> {
                     definitions += &materialx::material(&material, self.configuration)?;
                 }
                 // Nodes are called as functions in C
-                let head = self.head(&functions, Language::Osl, Language::C);
+                let head = self.head(&functions, Language::Osl, Language::C)?;
                 Ok(materialx::document(&head, self.command, &definitions).into_bytes())
             }
             #[cfg(not(target_family = "wasm"))]
@@ -132,6 +132,16 @@ impl Export<'_> {
         }
     }
 
+    /// Whether a subject depends on the phase function and the boundary.
+    fn has_medium(&self) -> bool {
+        self.subjects.iter().any(|subject| matches!(subject, Subject::Inversion | Subject::Transmittance))
+    }
+
+    /// Whether a subject depends on the models.
+    fn has_model(&self) -> bool {
+        self.subjects.iter().any(|subject| subject.has_model())
+    }
+
     /// Refuses what does not go together.
     fn check(&self) -> Result<(), ExportError> {
         for &subject in self.subjects {
@@ -142,7 +152,8 @@ impl Export<'_> {
                 return Err(ExportError::new("to", self.target.name(), allowed));
             }
             if (subject.is_table() || subject == Subject::Material) && self.material.is_none() {
-                let allowed = "a profile, sampler or other function without a material: it is of one";
+                let allowed = "a profile, sampler or other function, as there is no material: name one by a preset, or \
+                               by its surface albedo and a mean free path";
                 return Err(ExportError::new("what", subject.name(), allowed));
             }
             if subject.is_table() && subject != Subject::Transmittance && self.models.len() != 1 {
@@ -174,7 +185,7 @@ impl Export<'_> {
                 "material too, to say a material in MaterialX",
             ));
         }
-        let has_medium = has(Subject::Inversion) || has(Subject::Transmittance);
+        let has_medium = self.has_medium();
         if self.g != 0.0 && !has_medium {
             return Err(ExportError::new("g", self.g.to_string(), "0 without inversion or transmittance"));
         }
@@ -269,7 +280,7 @@ impl Export<'_> {
             };
             text += &format!("\nconst SURFACE_ALBEDO_{channel}: f32 = {};\n", literal(a));
             text += &format!("const {length_name}_{channel}: f32 = {};\n", literal(l));
-            if self.models.contains(&Model::NormalizedDiffusion) {
+            if self.has_model() && self.models.contains(&Model::NormalizedDiffusion) {
                 text += &format!("// d = length / s(A)\nconst WIDTH_{channel}: f32 = {};\n", literal(d));
             }
         }
@@ -330,20 +341,14 @@ impl Export<'_> {
     }
 
     /// The comment that a text begins with, with errors of one language and names of another.
-    fn head(&self, functions: &[Function], errors: Language, names: Language) -> String {
-        let needs_no_model = |subject: &Subject| {
-            matches!(
-                subject,
-                Subject::Fresnel | Subject::Inversion | Subject::Material | Subject::Transmittance
-            )
-        };
+    fn head(&self, functions: &[Function], errors: Language, names: Language) -> Result<String, ExportError> {
         let mut paragraphs: Vec<String> = self
             .subjects
             .iter()
             .filter_map(|subject| header::of_subject(*subject))
             .map(String::from)
             .collect();
-        if !self.subjects.iter().all(needs_no_model) {
+        if self.has_model() {
             paragraphs.extend(self.models.iter().map(|model| {
                 header::of_model(*model, self.configuration, self.summed().any(|summed| summed == *model))
             }));
@@ -352,8 +357,12 @@ impl Export<'_> {
         if !functions.is_empty() {
             paragraphs.push(header::errors(functions, errors, names));
         }
+        if let Some(material) = self.material.filter(|own| own.parameterization == Parameterization::Dmfp) {
+            let medium = if self.has_medium() { [self.g, self.eta] } else { [0.0, 1.0] };
+            paragraphs.push(header::of_diffuse_lengths(&material, self.configuration, medium)?);
+        }
         paragraphs.push(header::origin(self.command));
-        header::comment(&paragraphs)
+        Ok(header::comment(&paragraphs))
     }
 }
 

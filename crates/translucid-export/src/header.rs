@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 
 use translucid_profile::{
-    Configuration, Model, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
-    fresnel_moment_2_from_inside, fresnel_moment_2_from_outside,
+    AlbedoInversion, Configuration, Model, ParameterError, Parameterization, fresnel_moment_1_from_inside,
+    fresnel_moment_1_from_outside, fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, scaling,
 };
 
 use crate::Subject;
 use crate::function::Function;
 use crate::language::Language;
+use crate::material::Material;
 use crate::number::literal;
 use crate::sum::Terms;
 
@@ -146,6 +147,40 @@ pub(crate) fn moments(eta: f64) -> String {
 pub(crate) const UNITS: &str = "\
 Lengths are in one unit that you keep to; R and densities per area are in its inverse square, densities per length in
 its inverse. r is any number; a negative one counts as 0. Random numbers are in [0, 1).";
+
+/// How long the diffuse mean free paths of a material are, which depends on how light enters.
+pub(crate) fn of_diffuse_lengths(
+    material: &Material,
+    configuration: Configuration,
+    [g, eta]: [f64; 2],
+) -> Result<String, ParameterError> {
+    let Material { surface_albedo, length, .. } = *material;
+    let listed = |mfp: &dyn Fn(usize) -> f64| [0, 1, 2].map(|c| format!("{:.4}", mfp(c))).join(", ");
+    let exact = |configuration| {
+        let inversion = AlbedoInversion::new(g, eta, configuration)?;
+        Ok::<_, ParameterError>(listed(&|c| {
+            inversion.mfp(surface_albedo[c], length[c], Parameterization::Dmfp)
+        }))
+    };
+    let fitted = |c: usize| {
+        let scale = |parameterization| scaling(surface_albedo[c], parameterization, configuration);
+        length[c] * scale(Parameterization::Mfp) / scale(Parameterization::Dmfp)
+    };
+    Ok(format!(
+        "The material's lengths are diffuse mean free paths. The mean free paths behind them depend on how light enters:
+
+  {}  a perpendicular pencil beam, exactly{}
+  {}  light from all directions, exactly{}
+  {}  by the fits of normalized diffusion, which it takes here and translucid convert everywhere
+
+translucid judge and diffuse rows of the oracle's tables mean light from all directions.",
+        exact(Configuration::Searchlight)?,
+        if configuration == Configuration::Searchlight { " (meant here)" } else { "" },
+        exact(Configuration::Diffuse)?,
+        if configuration == Configuration::Diffuse { " (meant here)" } else { "" },
+        listed(&fitted)
+    ))
+}
 
 /// Errors of functions against double precision, in a language, with names of another.
 pub(crate) fn errors(functions: &[Function], language: Language, names: Language) -> String {

@@ -42,7 +42,10 @@ impl<'a> Table<'a> {
             name: "transmittance",
             size: [table.values.len(), 1],
             values: &table.values,
-            note: format!("transmittance of a slab: column i is the thickness {most} (i/{last})^2"),
+            note: format!(
+                "transmittance of a slab: column i is the thickness {most} (i/{last})^2; {}",
+                table.beyond()
+            ),
             most: ("most_thickness", most),
         }
     }
@@ -57,8 +60,12 @@ pub(crate) fn encode(table: &Table<'_>, format: ImageFormat) -> Result<Vec<u8>, 
         ImageFormat::Png => {
             let codes: Vec<u8> =
                 table.values.iter().flatten().map(|v| (255.0 * v).round().clamp(0.0, 255.0) as u8).collect();
-            let description = format!("{}; linear", table.note);
-            CodedPicture::rgb(table.size, &codes)
+            // Programs that pass over gAMA take what they are told at import
+            let description = format!(
+                "{}; codes are 255 times the values, linear (gAMA 1): import it as linear data, not as sRGB",
+                table.note
+            );
+            CodedPicture::linear_rgb(table.size, &codes)
                 .with_text("Description", &description)
                 .encode()
                 .map_err(|error| failed(&error))
@@ -146,6 +153,18 @@ mod tests {
 
     fn table() -> CurvatureTable {
         CurvatureTable { size: [3, 2], most_curvature: 0.5, values: vec![[0.0, 0.5, 1.0]; 6] }
+    }
+
+    /// An sRGB chunk would have engines bend the values.
+    #[test]
+    fn png_states_linear_values() {
+        let bytes = encode(&Table::of_curvatures(&table()), ImageFormat::Png).unwrap();
+        let chunks = |name: &[u8]| bytes.windows(4).filter(|four| *four == name).count();
+        assert_eq!([chunks(b"gAMA"), chunks(b"sRGB"), chunks(b"cHRM"), chunks(b"iCCP")], [1, 0, 0, 0]);
+        let at = bytes.windows(4).position(|four| four == b"gAMA").unwrap() + 4;
+        assert_eq!(bytes[at..at + 4], 100_000_u32.to_be_bytes());
+        let note = String::from_utf8_lossy(&bytes);
+        assert!(note.contains("linear (gAMA 1): import it as linear data"), "{note}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ pub enum ImageFormat {
     Png,
     /// DirectDraw surface, single precision, four channels.
     Dds,
-    /// NumPy's archive: `lut`, and its `most_curvature`.
+    /// NumPy's archive: `lut` and its `most_curvature`, or `transmittance` and its `most_thickness`.
     Npz,
 }
 
@@ -25,10 +25,10 @@ impl ImageFormat {
 
     pub(crate) fn description(self) -> &'static str {
         match self {
-            Self::Exr => "A lut as OpenEXR",
-            Self::Png => "A lut as PNG, linear, 8 bits",
-            Self::Dds => "A lut as DirectDraw surface, linear, 32 bits",
-            Self::Npz => "A lut as arrays of NumPy",
+            Self::Exr => "A lut or a transmittance as OpenEXR",
+            Self::Png => "A lut or a transmittance as PNG, linear, 8 bits",
+            Self::Dds => "A lut or a transmittance as DirectDraw surface, linear, 32 bits",
+            Self::Npz => "A lut or a transmittance as arrays of NumPy",
         }
     }
 }

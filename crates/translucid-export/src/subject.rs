@@ -92,6 +92,14 @@ impl Subject {
         }
     }
 
+    /// Returns whether it depends on a model of the profile.
+    pub fn has_model(self) -> bool {
+        match self {
+            Self::Fresnel | Self::Inversion | Self::Material | Self::Transmittance => false,
+            Self::Profile | Self::Sampler | Self::Disk | Self::Lut | Self::Kernel | Self::Probe => true,
+        }
+    }
+
     /// Returns whether it can go to a target.
     pub(crate) fn goes_to(self, target: Target) -> bool {
         match (self, target) {

@@ -13,9 +13,10 @@ use crate::language::Language;
 use crate::material::Material;
 use crate::number::literal;
 
-/// Transmittance of the greatest channel at the last column, unless that is as many lengths away.
+/// Transmittance of the greatest channel at the last column by default: a step of 8 bits.
 const LEAST: f64 = 1.0 / 256.0;
-const MOST_LENGTHS: f64 = 64.0;
+/// Most transport mean free paths to there: light that nothing absorbs falls only like 1/thickness.
+const MOST_LENGTHS: f64 = 4096.0;
 /// Most optical thickness: more passes nothing, either.
 const MOST_DEPTH: f64 = 1e9;
 /// Columns between which the error of interpolation is found.
@@ -74,17 +75,29 @@ impl TransmittanceTable {
         let comment = format!(
             "// Transmittance of a slab of the material for red, green, blue: the share of the light that arrives on one side that
 // leaves on the other, scattered or not. Column i is the thickness {most} (i/{last})^2: interpolate between the columns
-// around x = {last} sqrt(min(thickness/{most}, 1)), which is right to {:.1e}.
+// around x = {last} sqrt(min(thickness/{most}, 1)), which is right to {:.1e} up to there.
+// {}.
 // Light that arrives behind with the irradiance E leaves in front with the radiance E T/pi. It arrives {}, and so does that
 // of which a half space of the medium reflects the surface albedo; the mean free path is 1/sigma_t.
 ",
             self.error.max(1e-6),
+            self.beyond(),
             match self.configuration {
                 Configuration::Diffuse => "from all directions",
                 Configuration::Searchlight => "along the normal",
             }
         );
         comment + &language.table("TRANSMITTANCE", &self.values)
+    }
+}
+
+impl TransmittanceTable {
+    /// Light beyond the last column, in words.
+    pub(crate) fn beyond(&self) -> String {
+        let [red, green, blue] = self.values[self.values.len() - 1];
+        format!(
+            "Thicker slabs pass less than the last column, {red:.3}, {green:.3}, {blue:.3}, which is too bright for them"
+        )
     }
 }
 
@@ -122,10 +135,9 @@ impl Slabs {
     /// The thickness of the last column.
     fn most_thickness(&self) -> Result<f64, ParameterError> {
         let longest = self.media.iter().map(|[_, extinction]| 1.0 / extinction).fold(0.0, f64::max);
+        let most = MOST_LENGTHS * longest / (1.0 - self.g.max(0.0));
         let mut thickness = longest;
-        while thickness < MOST_LENGTHS * longest
-            && self.transmittance(thickness)?.into_iter().fold(0.0, f64::max) > LEAST
-        {
+        while thickness < most && self.transmittance(thickness)?.into_iter().fold(0.0, f64::max) > LEAST {
             thickness *= 2.0;
         }
         Ok(thickness)
@@ -147,6 +159,23 @@ mod tests {
         TransmittanceTable::new(&MATERIAL, Configuration::Diffuse, [0.0, 1.0], columns, most).unwrap()
     }
 
+    /// White media reach the last step of 8 bits, too, whatever their phase function and boundary.
+    #[test]
+    fn last_column_is_dark_by_default() {
+        for (g, eta) in [(0.0, 1.0), (0.9, 1.0), (0.9, 1.5), (-0.5, 1.4)] {
+            let made = TransmittanceTable::new(&MATERIAL, Configuration::Diffuse, [g, eta], 3, None).unwrap();
+            let last = made.values[2];
+            assert!(last.iter().all(|t| *t <= LEAST), "{g} {eta}: {last:?} at {}", made.most_thickness);
+        }
+        // One that is given may be bright, which the text says
+        let made =
+            TransmittanceTable::new(&MATERIAL, Configuration::Diffuse, [0.9, 1.0], 3, Some(64.0)).unwrap();
+        let [red, ..] = made.values[2];
+        assert!((0.1..0.25).contains(&red), "{red}");
+        let text = made.text(Language::Glsl);
+        assert!(text.contains(&format!("Thicker slabs pass less than the last column, {red:.3}")), "{text}");
+    }
+
     /// Black slabs pass 2 E₃(τ) of diffuse light; of a beam along the normal a slab of two mean free paths with g = 0.75 passes
     /// 0.66096 (H. C. van de Hulst 1980, *Multiple Light Scattering*, table 35, as quoted by L. Wang, S. L. Jacques and L. Zheng
     /// 1995, MCML).
@@ -164,7 +193,7 @@ mod tests {
 
     #[test]
     fn tables_fall_and_state_their_interpolation() {
-        let table = table(33, None);
+        let table = table(33, Some(64.0));
         assert_eq!(table.most_thickness, 64.0);
         for pair in table.values.windows(2) {
             assert!((0..3).all(|c| pair[1][c] <= pair[0][c] + 1e-9), "{pair:?}");

@@ -28,6 +28,6 @@ mod png;
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
 pub use pixel_rect::PixelRect;
-pub use png::{CodedPicture, DisplayTransform};
+pub use png::{CodedPicture, DisplayTransform, Encoding};
 pub use translucid_display::{ToneMapping, display_from_linear};
 pub use translucid_files::OutputError;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use ::png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
+use ::png::{BitDepth, ColorType, Encoder, ScaledFloat, SrgbRenderingIntent};
 use rayon::prelude::*;
 use translucid_files::write_atomically;
 
@@ -50,6 +50,7 @@ impl Picture<'_> {
             size: self.size(),
             has_alpha: !is_opaque,
             codes: &codes,
+            encoding: Encoding::Srgb,
             texts: software.into_iter().chain(notes).collect(),
         }
         .write(out)
@@ -135,7 +136,16 @@ fn drop_alpha(codes: &mut Vec<u8>) {
     codes.truncate(3 * count);
 }
 
-/// Pixels as 8-bit sRGB codes, to become a PNG.
+/// The meaning of codes, which the file states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Display values: the chunk `sRGB`.
+    Srgb,
+    /// Proportional to the numbers of a table: the chunk `gAMA` with 1, and no `sRGB`.
+    Linear,
+}
+
+/// Pixels as 8-bit codes, to become a PNG.
 ///
 /// ```
 /// let codes = [255, 0, 0, 0, 0, 255];
@@ -151,14 +161,21 @@ pub struct CodedPicture<'a> {
     pub has_alpha: bool,
     /// Three or four codes for each pixel, row by row.
     pub codes: &'a [u8],
+    /// Their meaning.
+    pub encoding: Encoding,
     /// Keywords and texts.
     pub texts: Vec<(String, String)>,
 }
 
 impl<'a> CodedPicture<'a> {
-    /// An opaque picture of three codes a pixel, without texts.
+    /// An opaque picture of three sRGB codes a pixel, without texts.
     pub fn rgb(size: [usize; 2], codes: &'a [u8]) -> Self {
-        Self { size, has_alpha: false, codes, texts: Vec::new() }
+        Self { size, has_alpha: false, codes, encoding: Encoding::Srgb, texts: Vec::new() }
+    }
+
+    /// An opaque picture of three linear codes a pixel, without texts.
+    pub fn linear_rgb(size: [usize; 2], codes: &'a [u8]) -> Self {
+        Self { encoding: Encoding::Linear, ..Self::rgb(size, codes) }
     }
 
     /// Adds a text under a keyword of 1 to 79 Latin letters.
@@ -189,7 +206,10 @@ impl<'a> CodedPicture<'a> {
         let mut encoder = Encoder::new(out, width?, height?);
         encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
         encoder.set_depth(BitDepth::Eight);
-        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        match self.encoding {
+            Encoding::Srgb => encoder.set_source_srgb(SrgbRenderingIntent::Perceptual),
+            Encoding::Linear => encoder.set_source_gamma(ScaledFloat::from_scaled(100_000)),
+        }
         for (keyword, text) in &self.texts {
             encoder.add_itxt_chunk(keyword.clone(), text.replace('\0', "?")).map_err(io::Error::other)?;
         }

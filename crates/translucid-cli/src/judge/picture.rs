@@ -7,6 +7,7 @@ use translucid_load::load_exr;
 use translucid_measure::{EdgeLine, NoEdge, NoSpot, Photo, SpotPlace};
 use translucid_scene::{Place, SceneError};
 
+use super::symmetry::{self, Row};
 use crate::failure::Failure;
 
 /// Reads the picture; bins of red, green and blue.
@@ -40,9 +41,6 @@ fn load(path: &Path) -> Result<Photo, Failure> {
     Ok(Photo::from_fn(width, height, |x, y| [0, 1, 2].map(|c| planes[c][y * width + x])))
 }
 
-/// Sine of an edge's angle to rows or columns up to which it counts as along them.
-const LEAST_SLOPE: f64 = 2e-3;
-
 /// Where the lit shape is.
 enum Location {
     Edge(EdgeLine),
@@ -63,7 +61,7 @@ impl Location {
                     format!("no edge of light: its brightest tenth is {contrast:.2} times its darkest, and must be 1.5 times")
                 }
                 NoEdge::NotStraight(_) => String::from("no straight edge of light from side to side"),
-            }).and_then(Self::edge),
+            }).and_then(|line| Self::edge(photo, &line)),
             Setup::Disk { .. } => SpotPlace::find(photo).map(Self::Disk).map_err(|fault| match fault {
                 NoSpot::TooSmall => String::from(TOO_SMALL),
                 NoSpot::NoContrast(contrast) => {
@@ -78,16 +76,14 @@ impl Location {
         }
     }
 
-    /// An edge that runs along rows or columns: any other is located too coarsely to judge a width.
-    fn edge(line: EdgeLine) -> Result<Self, String> {
-        let slope = line.across[0].abs().min(line.across[1].abs());
-        if slope > LEAST_SLOPE {
-            let degrees = slope.asin().to_degrees();
-            return Err(format!(
-                "the edge of light is turned by {degrees:.1} degrees, but must run along rows or columns, between two pixels"
-            ));
-        }
-        Ok(Self::Edge(line))
+    /// An edge to a small part of a pixel: its place is an error of the width.
+    fn edge(photo: &Photo, line: &EdgeLine) -> Result<Self, String> {
+        let found = symmetry::edge(photo, line).map(Self::Edge);
+        found.ok_or_else(|| {
+            String::from(
+                "the edge of light is too close to the picture's border, or the light's width too large for the picture: show more of the plane",
+            )
+        })
     }
 
     /// The brightest band along columns or rows.
@@ -117,6 +113,7 @@ impl Location {
             return Err(String::from("no single line of light with dark on both sides"));
         }
         let middle = bright.iter().map(|i| *i as f64 + 0.5).sum::<f64>() / bright.len() as f64;
+        let middle = Row::new(means).line(middle).unwrap_or(middle);
         Ok(Self::Line { is_upright, middle })
     }
 

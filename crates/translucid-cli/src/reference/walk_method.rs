@@ -190,7 +190,7 @@ impl<'a> WalkWork<'a> {
             Failure::input(reason).with_help("`translucid devices` lists them; --device cpu is always there")
         })?;
         if let Some(note) = &choice.note {
-            messages::line(note);
+            messages::print_note(note);
         }
 
         // Radii and bins

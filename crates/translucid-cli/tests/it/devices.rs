@@ -28,7 +28,7 @@ fn a_build_without_devices_says_so() {
     let message = refused(folder.path(), &format!("{WALK} --device gpu"));
     assert!(message.contains("this build of translucid knows no graphics processors"), "{message}");
     let walked = run(folder.path(), &format!("{WALK} --device auto"));
-    assert!(stderr(&walked).contains("the processor walks: this build"), "{}", stderr(&walked));
+    assert!(stderr(&walked).contains("note: the processor walks: this build"), "{}", stderr(&walked));
     assert_eq!(String::from_utf8_lossy(&walked.stdout), stdout(folder.path(), WALK));
 }
 

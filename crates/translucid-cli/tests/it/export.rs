@@ -58,9 +58,16 @@ fn tables_are_of_a_material() {
     let text = stdout(&here(), "export --to c --what lut --model exact --preset skin1 --size 5x3");
     assert!(text.contains("static const float TRANSLUCID_LUT[15][3] = {"), "{text}");
     let text = stdout(&here(), "export --to glsl --what transmittance --preset skin1 --eta 1.4 --size 9x2");
-    for part in ["const vec3 TRANSMITTANCE[9] = ", "L. G. Henyey", "Column i is the thickness"] {
+    for part in [
+        "const vec3 TRANSMITTANCE[9] = ",
+        "L. G. Henyey",
+        "Column i is the thickness",
+        "Thicker slabs pass less",
+    ] {
         assert!(text.contains(part), "{text}");
     }
+    let text = stdout(&here(), "export --to c --what transmittance --preset skin1 --size 9x2");
+    assert!(text.contains("#ifndef TRANSLUCID_TRANSMITTANCE_H"), "{text}");
     let folder = tempfile::tempdir().unwrap();
     for (what, format) in
         ["lut", "transmittance"].iter().flat_map(|what| ["exr", "png", "dds", "npz"].map(|f| (what, f)))
@@ -70,6 +77,26 @@ fn tables_are_of_a_material() {
         stdout(folder.path(), &words);
         assert!(folder.path().join(format!("{what}.{format}")).metadata().unwrap().len() > 100);
     }
+}
+
+/// The same diffuse mean free path is another mean free path by configuration and by fit: the head says which is meant.
+#[test]
+fn diffuse_lengths_say_which_mean_free_paths_they_mean() {
+    let words = "export --to c --what profile --surface-albedo 0.8,0.8,0.5 --dmfp 6,3,6";
+    let text = stdout(&here(), words);
+    // 6 over 7.40424, 5.97804 and 7.61772
+    for part in [
+        "0.8103, 0.4052, 2.5077  a perpendicular pencil beam, exactly (meant here)",
+        "1.0037, 0.5018, 2.9658  light from all directions, exactly\n",
+        "0.7518, 0.3759,",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let text = stdout(&here(), &format!("{words} --configuration diffuse"));
+    assert!(text.contains("from all directions, exactly (meant here)"), "{text}");
+    assert!(
+        !stdout(&here(), "export --to c --what profile --surface-albedo 0.8 --mfp 1").contains("exactly")
+    );
 }
 
 #[test]
@@ -127,7 +154,7 @@ fn wrong_input_is_told_what_is_allowed() {
         ),
         (
             "--to c --what disk",
-            "--what is disk, but must be a profile, sampler or other function without a material",
+            "--what is disk, but must be a profile, sampler or other function, as there is no material: name one by a preset",
         ),
         (
             "--to osl --what disk --preset skin1",
@@ -156,6 +183,21 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--to materialx --what material", "--what is material, but must be a profile, sampler or other"),
         ("--to materialx --what profile --preset skin1", "--what is functions, but must be material too"),
         ("--to c --what disk --preset skin1 --taps 2", "--taps is 2, but must be in [3, 1024]"),
+        (
+            "--to c --what transmittance --preset skin1 --model dipole",
+            "--model is for subjects with a profile, but --what is transmittance",
+        ),
+        ("--to c --what fresnel,inversion --model exact", "but --what is fresnel,inversion"),
+        (
+            "--to c --what profile --most-thickness 3",
+            "--most-thickness is for transmittance, but --what is profile",
+        ),
+        ("--to c --what profile --size 3x3", "--size is for lut and transmittance, but --what is profile"),
+        ("--to c --what lut --preset skin1 --taps 9", "--taps is for disk and kernel, but --what is lut"),
+        (
+            "--to c --what disk --preset skin1 --most-curvature 1",
+            "--most-curvature is for lut, but --what is disk",
+        ),
         ("--to c --what lut --preset skin1 --size 1x5", "--size is 1, but must be in [2, 1024] each"),
         ("--to c --what lut --preset skin1 --size 5", "two whole numbers with an x between"),
         (

@@ -4,9 +4,11 @@ use std::path::Path;
 
 use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 use serde_json::Value;
+use translucid_laboratory::oracle::LitShape;
 use translucid_profile::{Appearance, Configuration, Model, Parameterization, Profile};
 
 use crate::common::{files, run, stderr, stdout};
+use crate::markdown::root;
 
 const SIZE: [usize; 2] = [400, 20];
 const PIXEL: f64 = 0.1;
@@ -119,6 +121,69 @@ fn three_passes_are_judged() {
     assert!(csv.starts_with("channel,verdict,light_error,rms_error") && csv.lines().count() == 4, "{csv}");
 }
 
+/// Edges anywhere between the middles of pixels, and at an angle: by the exact light at each pixel's middle, whose widths
+/// have to come back.
+#[test]
+fn edges_through_pixels_and_diagonal_ones_are_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let profiles = profiles(Model::Exact);
+    let light =
+        |distance: f64, c: usize| LitShape::Edge { distance }.response(&*profiles[c]).value as f32 * 2.0;
+    for (name, degrees, offset) in [
+        ("quarter", 0.0, 0.25),
+        ("half", 180.0, 0.5),
+        ("most", 90.0, 0.9),
+        ("small", 2.0, 0.3),
+        ("turned", 30.0, 0.6),
+        ("diagonal", 225.0, 0.1),
+    ] {
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let at = |at: Vec2<usize>| {
+            let [x, y] = [at.x(), at.y()].map(|i| i as f64 + 0.5 - 80.0 - offset);
+            let light = |c: usize| light((x * cos + y * sin) * PIXEL, c);
+            (light(0), light(1), light(2))
+        };
+        let path = folder.path().join(format!("{name}.exr"));
+        Image::from_channels((160, 160), SpecificChannels::rgb(at)).write().to_file(path).unwrap();
+        let rows = json(folder.path(), &format!("{name}.exr --setup edge {MATERIAL} --white 2"));
+        assert_eq!(verdicts(&rows), ["right"; 3], "{name}: {rows:?}");
+        for row in &rows {
+            for level in ["25", "10", "5"] {
+                let width = |prefix: &str| row[format!("{prefix}width_{level}")].as_f64().unwrap();
+                let off = width("") / width("exact_") - 1.0;
+                assert!(off.abs() < 0.01, "{name} {level}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_sizes_other_media_and_lengths_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let taps = profiles(Model::Exact).map(|profile| disk_taps(&*profile));
+    let lit = |x: f64, _: f64| (x - 20.0).abs() < 0.799;
+    picture(&folder.path().join("line.exr"), SIZE, &lit, &taps, true);
+    let rows = json(folder.path(), &format!("line.exr --setup line --size 2.4 {MATERIAL}"));
+    assert_eq!(verdicts(&rows), ["picture"; 3], "{rows:?}");
+    let sentence = rows[0]["sentence"].as_str().unwrap();
+    assert!(
+        sentence.contains("the lit shape of the picture is 1.6") && sentence.contains("not 2.4000"),
+        "{sentence}"
+    );
+
+    // The same mean free paths mean more light far away where light is scattered forward
+    let rows = json(folder.path(), &format!("line.exr --setup line --size 1.6 {MATERIAL} --g 0.8"));
+    assert_eq!(rows[0]["verdict"], "profile", "{rows:?}");
+    assert!(rows[0]["sentence"].as_str().unwrap().contains("--g"), "{rows:?}");
+
+    let words = "judge line.exr --setup line --size 1.6 --pixel 0.1 --surface-albedo 0.8 --dmfp 6";
+    let said = stderr(&run(folder.path(), words));
+    let page = std::fs::read_to_string(root().join("docs/guide/oracle.md")).unwrap();
+    for ratio in ["5.978", "7.404", "7.618"] {
+        assert!(said.contains(ratio) && page.contains(&format!("| {ratio} |")), "{ratio}: {said}");
+    }
+}
+
 #[test]
 fn disks_and_lines_are_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -183,19 +248,26 @@ fn what_cannot_be_judged_is_refused() {
     let edge = "edge.exr --setup edge";
     for (words, parts) in [
         (format!("edge.exr --setup square {good}"), ["square", "edge, disk, line"]),
-        (format!("{edge} --pixel -1 --surface-albedo 0.8 --mfp 1"), ["--pixel is -1", "greater than 0"]),
+        (format!("{edge} --pixel -1 --surface-albedo 0.8 --mfp 1"), ["--pixel is -1", "in [1e-18, 1e18]"]),
         (format!("{edge} --pixel 0.1 --surface-albedo 1.2 --mfp 1"), ["--surface-albedo is 1.2", "(0, 1)"]),
         (
             format!("{edge} --pixel 0.1 --surface-albedo 0.8,nan,0.1 --mfp 1"),
             ["--surface-albedo is NaN", "(0, 1)"],
         ),
-        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --mfp -2"), ["--mfp is -2", "greater than 0"]),
+        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --mfp -2"), ["--mfp is -2", "in [1e-18, 1e18]"]),
         (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --dmfp 1,0"), ["--dmfp has 2 values", "1 or 3"]),
         (format!("{edge} --pixel 0.1 --surface-albedo 0.8"), ["--mfp", "required"]),
-        (format!("{edge} {good} --white 0"), ["--white is 0", "greater than 0"]),
+        (format!("{edge} {good} --white 0"), ["--white is 0", "in [1e-18, 1e18]"]),
+        (
+            format!("{edge} --pixel 1e-20 --surface-albedo 0.8 --mfp 1"),
+            ["--pixel is 1e-20", "in [1e-18, 1e18]"],
+        ),
+        (format!("{edge} --pixel 1e-15 --surface-albedo 0.8 --mfp 1"), ["the picture ends 9.9", "at 0.7"]),
+        (format!("{edge} {good} --g 1"), ["--g is 1", "in [-0.95, 0.95]"]),
+        (format!("{edge} {good} --ior 0.9"), ["--ior is 0.9", "in [1.0, 3.0]"]),
         (format!("{edge} {good} --size 2"), ["--size is for a disk or a line", "leave --size out"]),
         (format!("edge.exr --setup disk {good}"), ["--size is missing", "diameter"]),
-        (format!("edge.exr --setup line --size -1 {good}"), ["--size is -1", "greater than 0"]),
+        (format!("edge.exr --setup line --size -1 {good}"), ["--size is -1", "in [1e-18, 1e18]"]),
         (format!("edge.exr --setup line --size 1 {good}"), ["edge.exr", "no single line of light"]),
         (format!("edge.exr --setup disk --size 1 {good}"), ["edge.exr", "disk of light"]),
         (format!("even.exr --setup edge {good}"), ["even.exr", "no edge of light"]),

@@ -148,6 +148,7 @@ fn tables_are_made_again_with_the_same_bytes_and_spare_files_of_others() {
         ("oracle -o mine --only edge", "was not made by translucid oracle"),
         ("oracle -o new --only edges", "edges"),
         ("oracle -o new --photons 10", "--photons is 10, but must be at least 1000"),
+        ("oracle -o new --photons 0", "errors of fewer photons would themselves be unknown"),
     ] {
         let output = run(folder.path(), words);
         assert_eq!(output.status.code(), Some(2), "{words}");
@@ -281,6 +282,27 @@ fn go_of_the_page_tells_right_from_wrong() {
             .env("GOFLAGS", "-mod=mod");
         command.args(["test", "./..."]).output().unwrap()
     });
+}
+
+/// A table that has no such row is no proof.
+#[test]
+fn go_of_the_page_fails_without_rows() {
+    if !has("go") {
+        return println!("there is no go: not run");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("oracle")).unwrap();
+    let head = read("edge.csv").lines().next().unwrap().to_owned();
+    fs::write(folder.path().join("oracle/edge.csv"), head + "\n").unwrap();
+    fs::write(folder.path().join("go.mod"), "module pass\n\ngo 1.19\n").unwrap();
+    fs::write(folder.path().join("edge_test.go"), snippet("go")).unwrap();
+    fs::write(folder.path().join("pass.go"), "package pass\n\nfunc Dark(x float64) float64 { return 9 }\n")
+        .unwrap();
+    let mut command = Command::new("go");
+    command.current_dir(folder.path()).env("GOCACHE", folder.path().join("cache")).env("GOFLAGS", "-mod=mod");
+    let output = command.args(["test", "./..."]).output().unwrap();
+    let words = String::from_utf8_lossy(&output.stdout);
+    assert!(!output.status.success() && words.contains("no row of edge.csv"), "{words}");
 }
 
 #[test]

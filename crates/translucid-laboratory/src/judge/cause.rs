@@ -1,8 +1,10 @@
 //! Reasons why a pass may be wrong, and the light that each would draw.
 
-use translucid_profile::{Appearance, Configuration, Model, ParameterError, Parameterization, Profile};
+use translucid_profile::{Configuration, Model, ParameterError, Parameterization, Profile};
 use translucid_reference::Estimate;
 
+use super::material::Material;
+use super::setup::Setup;
 use crate::oracle::{LitShape, Spread};
 
 /// Reason why a pass is not as the truth.
@@ -12,6 +14,10 @@ pub enum Cause {
     Width(f64),
     /// The right profile for light that enters otherwise.
     Configuration,
+    /// The right profile without the phase function and the boundary.
+    Medium,
+    /// The lit shape has so many times the size.
+    Size(f64),
     /// Burley's normalized diffusion of 2015.
     NormalizedDiffusion,
     /// Its shape, at so many times the width.
@@ -35,14 +41,18 @@ pub enum Part {
     Profile,
     /// The weights and places of the samples.
     Gather,
+    /// The picture, or the size that is stated for it.
+    Picture,
 }
 
 impl Cause {
     /// The part that is to be mended.
     pub fn part(&self) -> Part {
         match self {
+            Self::Size(_) => Part::Picture,
             Self::Width(_)
             | Self::Configuration
+            | Self::Medium
             | Self::NormalizedDiffusion
             | Self::NormalizedDiffusionOfWidth(_) => Part::Profile,
             Self::Center(_) | Self::Slice | Self::Unweighted | Self::Separable | Self::Light(_) => {
@@ -52,7 +62,7 @@ impl Cause {
     }
 
     /// Advice on the change, in words; `dmfp_over_mfp` is that of the material.
-    pub fn advice(&self, surface_albedo: f64, dmfp_over_mfp: f64) -> String {
+    pub(super) fn advice(&self, setup: Setup, surface_albedo: f64, dmfp_over_mfp: f64) -> String {
         let refined = "normalized-diffusion-refined is within 0.3 %";
         match self {
             Self::Width(s) => {
@@ -71,6 +81,15 @@ impl Cause {
                 "the profile is that of the other configuration: searchlight is a perpendicular pencil, diffuse is light \
                  from all around",
             ),
+            Self::Medium => String::from(
+                "the profile is that of isotropic scatterers without a boundary: it has neither --g nor --ior",
+            ),
+            Self::Size(times) => {
+                let [found, stated] = [times, &1.0].map(|times| times * setup.size());
+                format!(
+                    "the lit shape of the picture is {found:.4} wide, and not {stated:.4}: check the size, and the pixel's width"
+                )
+            }
             Self::NormalizedDiffusion => {
                 format!("the gather is right, but the profile is Burley's of 2015; {refined}")
             }
@@ -115,37 +134,34 @@ pub(super) struct Candidate {
 
 /// A material under the light of a setup, and where it is looked at.
 pub(super) struct Subject<'a> {
-    pub(super) appearance: Appearance,
+    pub(super) material: &'a Material,
     pub(super) configuration: Configuration,
     /// Half of a pixel's width.
     pub(super) cell: f64,
+    pub(super) setup: Setup,
     /// The shapes of all places.
     pub(super) shapes: &'a [LitShape],
+    /// The places.
+    pub(super) places: &'a [f64],
 }
 
 impl Subject<'_> {
     /// The exact light of the material, its length times a factor.
     pub(super) fn truth(&self, factor: f64) -> Result<Vec<f64>, ParameterError> {
-        self.curve_of(Model::Exact, self.configuration, factor)
+        Ok(self.responses(&*self.material.exact(self.configuration, factor)?))
     }
 
-    fn curve_of(
-        &self,
-        model: Model,
-        configuration: Configuration,
-        factor: f64,
-    ) -> Result<Vec<f64>, ParameterError> {
-        Ok(self.responses(&*self.profile(model, configuration, factor)?))
+    /// The light of Burley's profile, its length times a factor.
+    fn burley(&self, configuration: Configuration, factor: f64) -> Result<Vec<f64>, ParameterError> {
+        let profile = self.material.model(Model::NormalizedDiffusion, configuration, factor)?;
+        Ok(self.responses(&*profile))
     }
 
-    fn profile(
-        &self,
-        model: Model,
-        configuration: Configuration,
-        factor: f64,
-    ) -> Result<Box<dyn Profile>, ParameterError> {
-        let appearance = Appearance { length: factor * self.appearance.length, ..self.appearance };
-        model.profile(&appearance, configuration, 1.0)
+    /// The exact light beside a shape of another size.
+    fn resized(&self, factor: f64) -> Result<Vec<f64>, ParameterError> {
+        let setup = self.setup.resized(factor);
+        let shapes: Vec<LitShape> = self.places.iter().map(|place| setup.shape(*place)).collect();
+        Subject { shapes: &shapes, ..*self }.truth(1.0)
     }
 
     /// Light at all places, as a part of that of an endless plane.
@@ -164,27 +180,37 @@ impl Subject<'_> {
             Configuration::Searchlight => Configuration::Diffuse,
             Configuration::Diffuse => Configuration::Searchlight,
         };
-        let burley = |factor: f64| self.curve_of(Model::NormalizedDiffusion, self.configuration, factor);
         let mut all = Vec::new();
         let mut add = |cause: Cause, curve: Vec<f64>| all.push(Candidate { cause, curve });
-        add(Cause::NormalizedDiffusion, burley(1.0)?);
-        // There is one fit for diffuse mean free paths
-        if self.appearance.parameterization == Parameterization::Mfp {
-            add(Cause::NormalizedDiffusion, self.curve_of(Model::NormalizedDiffusion, other, 1.0)?);
+        // Burley's profile knows not every phase function
+        if let Ok(curve) = self.burley(self.configuration, 1.0) {
+            add(Cause::NormalizedDiffusion, curve);
+            // There is one fit for diffuse mean free paths
+            if self.material.appearance.parameterization == Parameterization::Mfp {
+                add(Cause::NormalizedDiffusion, self.burley(other, 1.0)?);
+            }
+            let (factor, curve) = best_factor(&|factor| self.burley(self.configuration, factor), distance)?;
+            add(Cause::NormalizedDiffusionOfWidth(factor), curve);
         }
-        add(Cause::Configuration, self.curve_of(Model::Exact, other, 1.0)?);
-        let (factor, curve) = best_width(&|factor| self.truth(factor), distance)?;
+        add(Cause::Configuration, self.responses(&*self.material.exact(other, 1.0)?));
+        if !self.material.is_plain() {
+            let plain = self.material.plain(self.configuration)?;
+            add(Cause::Medium, self.responses(&*plain.exact(self.configuration, 1.0)?));
+        }
+        let (factor, curve) = best_factor(&|factor| self.truth(factor), distance)?;
         add(Cause::Width(factor), curve);
-        let (factor, curve) = best_width(&burley, distance)?;
-        add(Cause::NormalizedDiffusionOfWidth(factor), curve);
+        if self.setup != Setup::Edge {
+            let (factor, curve) = best_factor(&|factor| self.resized(factor), distance)?;
+            add(Cause::Size(factor), curve);
+        }
 
         // Weights of the pixel itself, which nobody can know: the best one
         let lit: Vec<f64> =
             self.shapes.iter().map(|shape| shape.lit_part_of_circle(1e-9 * self.cell)).collect();
         let (weight, curve) = best_center(truth, &lit, [-0.5, 0.95], distance);
         add(Cause::Center(weight), curve);
-        for model in [Model::Exact, Model::NormalizedDiffusion] {
-            let profile = self.profile(model, self.configuration, 1.0)?;
+        let burley = self.material.model(Model::NormalizedDiffusion, self.configuration, 1.0);
+        for profile in [self.material.exact(self.configuration, 1.0), burley].into_iter().flatten() {
             let rings = Line::new(&*profile, self.cell);
             if let Some(slices) = rings.slices(self.shapes) {
                 add(Cause::Slice, best_center(&slices, &lit, [0.0, 0.95], distance).1);
@@ -195,8 +221,8 @@ impl Subject<'_> {
     }
 }
 
-/// The factor of a width that brings a curve closest, by a search on a logarithmic scale.
-fn best_width(
+/// The factor of a length that brings a curve closest, by a search on a logarithmic scale.
+fn best_factor(
     curve: &dyn Fn(f64) -> Result<Vec<f64>, ParameterError>,
     distance: &dyn Fn(&[f64]) -> f64,
 ) -> Result<(f64, Vec<f64>), ParameterError> {

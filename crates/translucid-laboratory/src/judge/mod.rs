@@ -1,7 +1,9 @@
 //! A screen-space pass judged: an engine's picture of a lit shape on a plane beside the exact light.
 //!
 //! ```text
-//! cause.rs    reasons why a pass may be wrong, and the light that each would draw
+//! setup.rs      the lit shape of a picture
+//! material.rs   the exact light of a half space
+//! cause.rs      reasons why a pass may be wrong, and the light that each would draw
 //! ```
 //!
 //! # Method
@@ -11,42 +13,30 @@
 //! A cause that explains it too little is not named: then the judgement says that the reason is not known.
 
 mod cause;
+mod material;
+mod setup;
 
 use std::fmt;
 
-use translucid_profile::{Appearance, Configuration, Medium, ParameterError, Parameterization};
-use translucid_reference::Incidence;
-use translucid_reference::exact::single_scattering_albedo;
+use translucid_profile::{Appearance, Configuration, ParameterError, Parameterization};
 
 use self::cause::{Candidate, Subject};
 pub use self::cause::{Cause, Part};
+use self::material::Material;
+pub use self::setup::Setup;
 use crate::oracle::LitShape;
 use crate::{Axis, Chart, Ink, Mark, Series};
-
-/// Lit shape that a pass draws.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Setup {
-    /// A half plane; places are distances from its edge, positive on the dark side.
-    Edge,
-    /// A disk of a radius \[L\]; places are distances from its center.
-    Disk {
-        /// Its radius.
-        radius: f64,
-    },
-    /// A band of a width \[L\]; places are distances from the line in its middle.
-    Line {
-        /// Its width.
-        width: f64,
-    },
-}
 
 /// One channel of a picture, averaged by place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// The shape that is lit.
     pub setup: Setup,
-    /// Material of the plane: half space of isotropic scatterers without a boundary.
+    /// Material of the plane, a half space.
     pub appearance: Appearance,
+    /// Relative index of refraction of its boundary, in \[1, 3\]; with 1 and g = 0 its light is exact, otherwise that of
+    /// 400,000 photons, known to 0.001 of the light.
+    pub eta: f64,
     /// How light enters.
     pub configuration: Configuration,
     /// Width of a pixel \[L\].
@@ -124,12 +114,16 @@ impl fmt::Display for Unjudged {
             Self::Parameter(error) => error.fmt(f),
             Self::TooSmall([end, wanted]) => write!(
                 f,
-                "the picture ends {end:.4} from the lit shape's edge or center, but light falls to a quarter at {wanted:.4}, \
-                 and must be seen to there"
+                "the picture ends {} from the lit shape's edge or center, but light falls to a quarter at {}, and must be \
+                 seen to there",
+                shown(*end),
+                shown(*wanted)
             ),
             Self::TooCoarse([width, pixel]) => write!(
                 f,
-                "light falls to a quarter at {width:.4}, but a pixel is {pixel:.4} wide, and must be half of that or less"
+                "light falls to a quarter at {}, but a pixel is {} wide, and must be half of that or less",
+                shown(*width),
+                shown(*pixel)
             ),
             Self::Dark => {
                 f.write_str("the channel is dark, or lit by fewer than three pixels beside the edge")
@@ -138,33 +132,14 @@ impl fmt::Display for Unjudged {
     }
 }
 
+/// A length of four digits or so.
+fn shown(length: f64) -> String {
+    if (0.01..1e6).contains(&length) { format!("{length:.4}") } else { format!("{length:.3e}") }
+}
+
 impl From<ParameterError> for Unjudged {
     fn from(error: ParameterError) -> Self {
         Self::Parameter(error)
-    }
-}
-
-impl Setup {
-    fn shape(&self, place: f64) -> LitShape {
-        match *self {
-            Self::Edge => LitShape::Edge { distance: place },
-            Self::Disk { radius } => LitShape::Disk { radius, offset: place },
-            Self::Line { width } => LitShape::Line { width, offset: place },
-        }
-    }
-
-    /// Where light begins.
-    fn rim(&self) -> f64 {
-        match *self {
-            Self::Edge => 0.0,
-            Self::Disk { radius } => radius,
-            Self::Line { width } => 0.5 * width,
-        }
-    }
-
-    /// Area by the place, as far as sums of light need it.
-    fn area(&self, place: f64) -> f64 {
-        if matches!(self, Self::Disk { .. }) { place.abs() } else { 1.0 }
     }
 }
 
@@ -175,8 +150,17 @@ impl Pass {
     /// The material is outside of all ranges, or the picture shows too little.
     pub fn judge(&self) -> Result<Judgement, Unjudged> {
         let shapes: Vec<LitShape> = self.bins.places.iter().map(|place| self.setup.shape(*place)).collect();
-        let Self { appearance, configuration, .. } = *self;
-        let subject = Subject { appearance, configuration, cell: 0.5 * self.pixel, shapes: &shapes };
+        let Self { setup, appearance, configuration, .. } = *self;
+        let material = Material::new(appearance, self.eta);
+        let places = &self.bins.places;
+        let subject = Subject {
+            material: &material,
+            configuration,
+            cell: 0.5 * self.pixel,
+            setup,
+            shapes: &shapes,
+            places,
+        };
         let truth = subject.truth(1.0)?;
         let true_widths = LEVELS.map(|level| self.width(&truth, level));
         let reach = self.bins.places.last().copied().unwrap_or(0.0);
@@ -219,13 +203,20 @@ impl Pass {
             {
                 judgement.causes.push(best.cause);
                 judgement.explained_rms = Some(left);
+                if matches!(best.cause, Cause::Size(_)) {
+                    // All light is that of the shape that is seen
+                    let scale = self.scale(&best.curve);
+                    judgement.light_error =
+                        self.white.map(|white| scale / (white * appearance.surface_albedo) - 1.0);
+                }
                 judgement.curves[3] = best.curve;
             }
         }
-        if let Some(error) = light_error.filter(|error| error.abs() > RIGHT_LIGHT) {
+        if let Some(error) = judgement.light_error.filter(|error| error.abs() > RIGHT_LIGHT) {
             judgement.causes.push(Cause::Light(1.0 + error));
         }
-        judgement.sentence = judgement.words(&appearance, configuration)?;
+        judgement.sentence =
+            judgement.words(setup, appearance.surface_albedo, material.dmfp_over_mfp(configuration)?);
         Ok(judgement)
     }
 
@@ -291,10 +282,10 @@ impl Pass {
     /// Where the truth falls to a quarter, beyond the picture.
     fn wanted(&self, subject: &Subject<'_>) -> Result<f64, Unjudged> {
         let mut places: Vec<f64> =
-            (0..400).map(|i| 0.25 * self.pixel * libm::exp(0.03 * f64::from(i))).collect();
+            (0..4000).map(|i| 0.25 * self.pixel * libm::exp(0.03 * f64::from(i))).collect();
         places.insert(0, 0.0);
         let shapes: Vec<LitShape> = places.iter().map(|place| self.setup.shape(*place)).collect();
-        let truth = Subject { shapes: &shapes, ..*subject }.truth(1.0)?;
+        let truth = Subject { shapes: &shapes, places: &places, ..*subject }.truth(1.0)?;
         let bins = Bins { places, ..Bins::default() };
         Ok(Self { bins, ..self.clone() }.width(&truth, LEVELS[0]))
     }
@@ -353,22 +344,21 @@ impl Judgement {
         match self.causes.first().map(Cause::part) {
             Some(Part::Profile) => "profile",
             Some(Part::Gather) => "gather",
+            Some(Part::Picture) => "picture",
             None if self.has_right_shape() => "right",
             None => "unknown",
         }
     }
 
-    fn words(&self, appearance: &Appearance, configuration: Configuration) -> Result<String, ParameterError> {
+    fn words(&self, setup: Setup, surface_albedo: f64, dmfp_over_mfp: f64) -> String {
         let percent = |part: f64| format!("{:.1} %", 100.0 * part.abs());
         let [rms, width] = [self.rms, self.width_error()].map(percent);
         let light =
             self.light_error.map_or(String::new(), |error| format!(", {} of all light", percent(error)));
         if self.verdict() == "right" {
-            return Ok(format!("right within {rms} (RMS), {width} of its width{light}"));
+            return format!("right within {rms} (RMS), {width} of its width{light}");
         }
-        let alpha = single_scattering_albedo(appearance.surface_albedo, 1.0, Incidence::from(configuration))?;
-        let dmfp = if alpha < 1.0 { Medium::from_mfp(alpha, 1.0, 0.0)?.dmfp() } else { f64::INFINITY };
-        let advice = |cause: &Cause| cause.advice(appearance.surface_albedo, dmfp);
+        let advice = |cause: &Cause| cause.advice(setup, surface_albedo, dmfp_over_mfp);
         let mut advices: Vec<String> = self.causes.iter().map(advice).collect();
         if !self.has_right_shape() && !self.causes.iter().any(|cause| !matches!(cause, Cause::Light(_))) {
             advices.push(String::from(
@@ -376,7 +366,7 @@ impl Judgement {
                  oracle",
             ));
         }
-        Ok(format!("{} (off by {rms} RMS, {width} of its width{light})", advices.join("; and ")))
+        format!("{} (off by {rms} RMS, {width} of its width{light})", advices.join("; and "))
     }
 }
 
@@ -407,9 +397,9 @@ pub fn judgement_chart(channels: &[(&str, &Judgement)], unit: &str) -> Chart {
 }
 
 /// The diffuse mean free path of a material as its length, or the mean free path.
-pub fn appearance(surface_albedo: f64, length: f64, is_dmfp: bool) -> Appearance {
+pub fn appearance(surface_albedo: f64, length: f64, is_dmfp: bool, g: f64) -> Appearance {
     let parameterization = if is_dmfp { Parameterization::Dmfp } else { Parameterization::Mfp };
-    Appearance { surface_albedo, length, parameterization, g: 0.0 }
+    Appearance { surface_albedo, length, parameterization, g }
 }
 
 #[cfg(test)]

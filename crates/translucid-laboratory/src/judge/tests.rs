@@ -4,7 +4,10 @@
 
 use std::f64::consts::TAU;
 
-use translucid_profile::{Model, Profile};
+use translucid_profile::{AlbedoInversion, Medium, Model, Profile, TabulatedProfile};
+use translucid_reference::Incidence;
+use translucid_reference::exact::single_scattering_albedo;
+use translucid_reference::layers::{Ground, Layer, Layers};
 use translucid_testing::SplitMix;
 
 use super::*;
@@ -29,7 +32,7 @@ fn places(setup: Setup) -> Vec<f64> {
 }
 
 fn material(surface_albedo: f64) -> Appearance {
-    appearance(surface_albedo, 1.0, false)
+    appearance(surface_albedo, 1.0, false, 0.0)
 }
 
 fn profile(model: Model, surface_albedo: f64, configuration: Configuration) -> Box<dyn Profile> {
@@ -78,7 +81,15 @@ fn slice_taps(profile: &dyn Profile) -> Vec<[f64; 3]> {
 
 fn pass(setup: Setup, surface_albedo: f64, configuration: Configuration, values: Vec<f64>) -> Pass {
     let bins = Bins { places: places(setup), values, directions: None };
-    Pass { setup, appearance: material(surface_albedo), configuration, pixel: PIXEL, white: None, bins }
+    Pass {
+        setup,
+        appearance: material(surface_albedo),
+        eta: 1.0,
+        configuration,
+        pixel: PIXEL,
+        white: None,
+        bins,
+    }
 }
 
 fn judged(setup: Setup, surface_albedo: f64, configuration: Configuration, taps: &[[f64; 3]]) -> Judgement {
@@ -163,7 +174,7 @@ fn weights_that_do_not_add_up_are_told_where_white_is_known() {
 fn widths_and_configurations_are_told() {
     let configuration = Configuration::Diffuse;
     let wide = |factor: f64| {
-        let appearance = appearance(0.8, factor, false);
+        let appearance = appearance(0.8, factor, false, 0.0);
         disk_taps(&*Model::Exact.profile(&appearance, configuration, 1.0).unwrap())
     };
     let dmfp = Medium::from_mfp(single_scattering_albedo(0.8, 1.0, Incidence::Cosine).unwrap(), 1.0, 0.0)
@@ -180,6 +191,65 @@ fn widths_and_configurations_are_told() {
     let taps = disk_taps(&*profile(Model::Exact, 0.3, Configuration::Searchlight));
     let judgement = judged(Setup::Edge, 0.3, configuration, &taps);
     assert_eq!(judgement.causes, [Cause::Configuration], "{}", judgement.sentence);
+}
+
+/// The size that is stated is not that of the picture, which has the right profile.
+#[test]
+fn wrong_sizes_are_told() {
+    let configuration = Configuration::Diffuse;
+    for surface_albedo in [0.5, 0.9] {
+        let taps = disk_taps(&*profile(Model::Exact, surface_albedo, configuration));
+        for (drawn, stated) in [
+            (Setup::Disk { radius: 2.0 }, Setup::Disk { radius: 4.0 }),
+            (Setup::Disk { radius: 2.0 }, Setup::Disk { radius: 1.0 }),
+            (Setup::Disk { radius: 2.0 }, Setup::Disk { radius: 2.4 }),
+            (Setup::Line { width: 1.6 }, Setup::Line { width: 3.2 }),
+            (Setup::Line { width: 1.6 }, Setup::Line { width: 0.8 }),
+            (Setup::Line { width: 1.6 }, Setup::Line { width: 2.0 }),
+        ] {
+            let values = gathered(drawn, &taps).into_iter().map(|value| surface_albedo * value).collect();
+            let pass = Pass { white: Some(1.0), ..pass(stated, surface_albedo, configuration, values) };
+            let judgement = pass.judge().unwrap();
+            let [Cause::Size(times)] = judgement.causes[..] else {
+                panic!("{surface_albedo} {drawn:?} {stated:?}: {}", judgement.sentence)
+            };
+            assert!(
+                (times * stated.size() / drawn.size() - 1.0).abs() < 0.02,
+                "{drawn:?} {stated:?}: {times}"
+            );
+            assert_eq!(judgement.verdict(), "picture");
+            assert!(judgement.sentence.contains("check the size"), "{}", judgement.sentence);
+        }
+    }
+}
+
+/// Light of another solution, by wave number, where the judge has photons walk; and passes that know no phase function.
+#[test]
+fn passes_over_other_media_are_judged() {
+    let configuration = Configuration::Diffuse;
+    let (g, eta, surface_albedo) = (0.8, 1.4, 0.8);
+    let alpha = AlbedoInversion::new(g, eta, configuration).unwrap().single_scattering_albedo(surface_albedo);
+    let layer = Layer::new(alpha, 1.0 - alpha, f64::INFINITY).with_g(g).with_eta(eta);
+    let row = Layers::new(1.0, vec![layer], Ground::None).unwrap().diffuse_profile().unwrap().row().unwrap();
+    let right = TabulatedProfile::from_enclosed(&row.radii, &row.enclosed).unwrap();
+    // A tenth of the lengths of a medium that scatters forward
+    let length = 0.1;
+    let taps = |profile: &dyn Profile, times: f64| -> Vec<[f64; 3]> {
+        disk_taps(profile).into_iter().map(|[x, y, weight]| [times * x, times * y, weight]).collect()
+    };
+    let plain = profile(Model::Exact, surface_albedo, configuration);
+    let setup = Setup::Edge;
+    for (taps, verdict) in [
+        (taps(&right, length), "right"),
+        (taps(&right, 1.3 * length), "profile"),
+        (taps(&*plain, length), "profile"),
+    ] {
+        let appearance = appearance(surface_albedo, length, false, g);
+        let pass = pass(setup, surface_albedo, configuration, gathered(setup, &taps));
+        let judged = Pass { appearance, eta, ..pass }.judge().unwrap();
+        println!("{setup:?}: {} {:?}: {}", judged.verdict(), judged.causes, judged.sentence);
+        assert_eq!(judged.verdict(), verdict, "{setup:?}: {}", judged.sentence);
+    }
 }
 
 /// A pixel that keeps a part of its light; and a pass of noise, for which there is no reason.

@@ -135,11 +135,11 @@ fn rows_of_half_spaces(tables: &[Table], photons: u64, steps: &Steps<'_>) -> Res
         .collect();
     let of_kind = |kind: &Kind| {
         let albedos = kind.surface_albedos();
-        let alphas = kind.single_scattering_albedos(albedos)?;
-        let greatest = alphas.iter().map(|[alpha, _]| *alpha).fold(0.0, f64::max);
+        let alphas = kind.media(albedos)?;
+        let greatest = alphas.iter().copied().fold(0.0, f64::max);
         let silent = Watch { stop: steps.watch.stop, ..Watch::default() };
         let walk = if kind.is_exact() { None } else { Some(kind.walk(greatest, photons, &silent)?) };
-        let of_medium = |(a, [alpha, _]): (&f64, &[f64; 2])| {
+        let of_medium = |(a, alpha): (&f64, &f64)| {
             if steps.watch.stop.load(Ordering::Relaxed) {
                 return Err(Fault::Stopped);
             }

@@ -1,6 +1,6 @@
 //! The tables: their columns, how their numbers were obtained, and by what else they are tested.
 
-use translucid_profile::Medium;
+use translucid_profile::{AlbedoInversion, Medium};
 use translucid_reference::Estimate;
 use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape};
 use translucid_reference::layers::{Ground, Layer, Layers};
@@ -28,8 +28,11 @@ const ETA: (&str, &str, &str) =
     ("eta", "1", "relative index of refraction, inside over outside, of the smooth boundary");
 const A: (&str, &str, &str) =
     ("surface_albedo", "1", "share of the light that has entered which leaves again");
-const ALPHA: (&str, &str, &str) =
-    ("single_scattering_albedo", "1", "scattering over extinction in the volume");
+const ALPHA: (&str, &str, &str) = (
+    "single_scattering_albedo",
+    "1",
+    "scattering over extinction in the volume: that of the medium, to rounding",
+);
 const ERROR: (&str, &str, &str) =
     ("error", "1", "greatest numerical error of the exact solution; one standard error of a walk");
 const METHOD: (&str, &str, &str) = (
@@ -38,12 +41,20 @@ const METHOD: (&str, &str, &str) = (
     "exact: half space solved by quadratures; layers: discrete directions; walk: photons at random",
 );
 
+/// Surface albedo of a medium that was chosen for it.
+const A_OF_MEDIUM: (&str, &str, &str) = (
+    "surface_albedo",
+    "1",
+    "share of the light that has entered which leaves again: that of the medium to 1e-8 for g = 0, and to 2e-6 otherwise",
+);
+
 /// Columns of a table of half spaces around its own.
 fn of_half_spaces(own: &[(&'static str, &'static str, &'static str)]) -> Vec<Column> {
-    columns(&[&[CONFIGURATION, G, ETA, A, ALPHA], own, &[METHOD]].concat())
+    columns(&[&[CONFIGURATION, G, ETA, A_OF_MEDIUM, ALPHA], own, &[METHOD]].concat())
 }
 
-const METHOD_OF_HALF_SPACES: &str = "g = 0: the half space solved exactly, error: an estimate of the greatest numerical error. Other g: a walk of photons (seed 1), error: one standard error; R is then the mean over two rings that are 2 % of the radius wide or less.";
+const METHOD_OF_PROFILE: &str = "g = 0: the half space solved exactly, errors: estimates of the greatest numerical error, under a boundary 50 times the solution's own estimate. Other g: a walk of photons (seed 1), errors: one standard error, or one photon of the greatest weight where none has left; R is then the mean over two rings that are 2 % of the radius wide or less.";
+const METHOD_OF_SHAPES: &str = "The lit part of each circle around the place, times the light that leaves at its radius. g = 0: by the half space solved exactly, error: an estimate of the greatest numerical error, under a boundary 50 times the solution's own estimate. Other g: by rings of a walk of photons (seed 1), error: one standard error, or one photon of the greatest weight where none has left.";
 
 /// All tables.
 pub(super) fn all() -> Vec<Table> {
@@ -51,7 +62,7 @@ pub(super) fn all() -> Vec<Table> {
         Table {
             name: "profile",
             content: "Light R(r) that leaves a half space at the distance r from where one unit of light has entered, and the light within r",
-            method: METHOD_OF_HALF_SPACES,
+            method: METHOD_OF_PROFILE,
             check: "exact rows against a photon walk, ring by ring; rows of a walk against layers by wave number, which share no code with it",
             columns: of_half_spaces(&[
                 ("r", "mfp", "distance from the point of entry"),
@@ -64,8 +75,8 @@ pub(super) fn all() -> Vec<Table> {
         },
         Table {
             name: "edge",
-            content: "Step edge: half of a plane is lit evenly; the light that leaves at a distance from the edge, as a part of that far on the lit side",
-            method: METHOD_OF_HALF_SPACES,
+            content: "Step edge: half of a plane is lit evenly; the light that leaves at a distance from the edge, as a part of the light that leaves far from the edge on the lit side",
+            method: METHOD_OF_SHAPES,
             check: "a sum over rings of the plane, and photons one by one, counted by where they leave",
             columns: of_half_spaces(&[
                 ("distance", "mfp", "distance from the edge"),
@@ -78,7 +89,7 @@ pub(super) fn all() -> Vec<Table> {
         Table {
             name: "disk",
             content: "Small feature: a disk of a plane is lit evenly; the light that leaves at a distance from its center, as a part of that in the middle of a very large disk",
-            method: METHOD_OF_HALF_SPACES,
+            method: METHOD_OF_SHAPES,
             check: "a sum over rings of the plane; photons one by one; the walk from a disk of light",
             columns: of_half_spaces(&[
                 ("radius", "mfp", "radius of the disk"),
@@ -91,7 +102,7 @@ pub(super) fn all() -> Vec<Table> {
         Table {
             name: "line",
             content: "Thin line: a band of a plane is lit evenly; the light that leaves at a distance from its middle, as a part of that in the middle of a very wide band",
-            method: METHOD_OF_HALF_SPACES,
+            method: METHOD_OF_SHAPES,
             check: "a sum over rings of the plane, and photons one by one, counted by where they leave",
             columns: of_half_spaces(&[
                 ("width", "mfp", "width of the band"),
@@ -136,6 +147,13 @@ pub(super) fn all() -> Vec<Table> {
                 ("surface_albedo_error", "1", "greatest error of the surface albedo that this medium has"),
                 ("reduced_albedo", "1", "sigma_s' / (sigma_a + sigma_s')"),
                 ("dmfp", "mfp", "diffuse mean free path; the mean free path is 1 / dmfp in its unit"),
+                (
+                    "single_scattering_albedo_error",
+                    "1",
+                    "greatest error of the single-scattering albedo of the surface albedo, from surface_albedo_error",
+                ),
+                ("reduced_albedo_error", "1", "that of the reduced albedo"),
+                ("dmfp_error", "mfp", "that of the diffuse mean free path"),
                 METHOD,
             ]),
             source: Source::Own(inversion),
@@ -163,7 +181,7 @@ pub(super) fn all() -> Vec<Table> {
         Table {
             name: "spheres",
             content: "Light that has entered a sphere, by where it leaves",
-            method: "Photons at random (seed 1), analog; errors: one standard error.",
+            method: "Photons at random (seed 1), one by one, absorbed or not; errors: one standard error. Where no photon was counted or every one was, the error is 3 / photons: the share is off by less with a confidence of 95 % (rule of three). Without absorption every photon leaves, and leaving is exact.",
             check: "without absorption all light leaves; what passes straight through is elementary; a large sphere returns the surface albedo of a plane",
             columns: columns(&[
                 (
@@ -204,7 +222,7 @@ fn part(truth: &Truth<'_>, shape: LitShape) -> [f64; 2] {
     let value = response.value / total.value;
     [
         value,
-        (response.error + value * if matches!(truth, Truth::Exact(_)) { total.error } else { 0.0 })
+        (response.error + value * if matches!(truth, Truth::Exact(..)) { total.error } else { 0.0 })
             / total.value,
     ]
 }
@@ -271,11 +289,23 @@ fn inversion(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
     const ALBEDOS: [f64; 14] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99];
     let rows = steps.each(&kinds(), |kind: &Kind| {
         let alphas = kind.single_scattering_albedos(&ALBEDOS)?;
+        let inversion = AlbedoInversion::new(kind.g, kind.eta, kind.configuration)?;
         let row = |(a, [alpha, off]): (&f64, &[f64; 2])| {
             let medium = Medium::from_mfp(*alpha, 1.0, kind.g)?;
             let name = word(kind.configuration);
+            // The medium of a surface albedo that is off by its error; digits of 1 - alpha end at rounding
+            let step = 1e-3 * (1.0 - a);
+            let slope = [a + step, a - step].map(|a| inversion.single_scattering_albedo(a));
+            let alpha_off = (slope[0] - slope[1]) / (2.0 * step) * off + f64::EPSILON;
+            let other = Medium::from_mfp((alpha - alpha_off).max(0.0), 1.0, kind.g)?;
+            let [reduced_off, dmfp_off] =
+                [medium.alpha_prime() - other.alpha_prime(), medium.dmfp() - other.dmfp()]
+                    .map(|x| error(x.abs()));
             let [alpha, reduced, dmfp] = [*alpha, medium.alpha_prime(), medium.dmfp()].map(number);
-            Ok(row![name, kind.g, kind.eta, *a, alpha, error(*off), reduced, dmfp, method(kind)])
+            let (off, alpha_off) = (error(*off), error(alpha_off));
+            let mut row = row![name, kind.g, kind.eta, *a, alpha, off, reduced, dmfp, alpha_off];
+            row.extend([reduced_off, dmfp_off, Cell::from(method(kind))]);
+            Ok(row)
         };
         ALBEDOS.iter().zip(&alphas).map(row).collect::<Result<Rows, Fault>>()
     })?;
@@ -325,22 +355,29 @@ fn spheres(photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
     steps.each(&cases, |&(light, (g, eta), alpha, radius)| {
         let interior = Interior { single_scattering_albedo: alpha, g, eta };
         let tally = Body::new(Shape::Sphere { radius }, interior, light)?.walk(photons, SEED);
-        let half = |rings: std::ops::Range<usize>| {
-            let value: f64 = rings.map(|ring| tally.scattered_through(ring).value).sum();
-            Estimate { value, error: (value * (1.0 - value) / photons as f64).max(0.0).sqrt() }
+        let half = |rings: std::ops::Range<usize>| -> f64 {
+            rings.map(|ring| tally.scattered_through(ring).value).sum()
         };
         let middle = SPHERE_RINGS / 2;
         let halves = [half(0..middle), half(middle..SPHERE_RINGS)];
+        let off = |value: f64| error(error_of_share(value, photons as f64));
         let is_distant = light == Lighting::Distant;
         let mut row = row![if is_distant { "distant" } else { "uniform" }, g, eta, alpha, radius];
-        for Estimate { value, error: off } in [tally.leaving(), tally.straight()] {
-            row.extend([number(value), error(off)]);
-        }
-        for Estimate { value, error: off } in halves {
+        let [leaving, straight] = [tally.leaving().value, tally.straight().value];
+        row.extend([number(leaving), if alpha == 1.0 { error(0.0) } else { off(leaving) }]);
+        row.extend([number(straight), off(straight)]);
+        for value in halves {
             // Uniform light has no front
             let known = |cell: Cell| if is_distant { cell } else { Cell::Number(f64::NAN) };
-            row.extend([known(number(value)), known(error(off))]);
+            row.extend([known(number(value)), known(off(value))]);
         }
         Ok(row)
     })
+}
+
+/// Standard error of a share of photons; where none or all were counted, the share that is exceeded with a probability of 5 %
+/// if that is what is counted: (1 − p)^n = 0.05.
+fn error_of_share(value: f64, photons: f64) -> f64 {
+    let error = (value * (1.0 - value) / photons).max(0.0).sqrt();
+    if error * photons < 0.5 { 3.0 / photons } else { error }
 }

@@ -305,6 +305,30 @@ fn totals_and_inversion_are_exact_or_those_of_the_walk() {
     }
 }
 
+/// Columns of the inversion that follow from the surface albedo, beside those of a medium with the exact one.
+#[test]
+fn inversion_states_how_far_its_media_are_off() {
+    for (configuration, incidence) in
+        [(Configuration::Searchlight, Incidence::NORMAL), (Configuration::Diffuse, Incidence::Cosine)]
+    {
+        for row in rows("inversion", &[word(configuration)], &[("g", 0.0), ("eta", 1.4)]) {
+            let a = row.number("surface_albedo");
+            let alpha = single_scattering_albedo(a, 1.4, incidence).unwrap();
+            let medium = translucid_profile::Medium::from_mfp(alpha, 1.0, 0.0).unwrap();
+            for (column, exact) in [
+                ("single_scattering_albedo", alpha),
+                ("reduced_albedo", medium.alpha_prime()),
+                ("dmfp", medium.dmfp()),
+            ] {
+                let (off, error) =
+                    ((row.number(column) - exact).abs(), row.number(&format!("{column}_error")));
+                assert!(off < 1.1 * error + 1e-11 * exact, "{column} {a}: {off:e} {error:e}");
+                assert!(error < 1e-3 * exact, "{column} {a}: {error:e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn slabs_are_those_of_photons_and_lose_nothing() {
     let parts = [
@@ -347,13 +371,29 @@ fn spheres_lose_nothing_and_are_transparent_as_they_must() {
     for row in rows("spheres", &["uniform"], &[("eta", 1.0)]) {
         let d = 2.0 * row.number("radius");
         let expected = 2.0 * (1.0 - (1.0 + d) * libm::exp(-d)) / (d * d);
-        // The table's own error is that of a count, which is none where nothing was counted
+        // The table's own error is that of a count
         let error = (expected * (1.0 - expected) / SPHERE).sqrt();
         let found = Estimate { value: row.number("straight"), error };
         if expected * SPHERE > 20.0 {
             assert_close(&format!("straight {d}"), found, Estimate { value: expected, error: 0.0 });
         }
+        // Where no photon was counted, its bound holds: three photons' share
+        if found.value == 0.0 {
+            assert!(expected < row.number("straight_error"), "{d}: {expected}");
+        }
     }
+    let mut empty = 0;
+    for row in rows("spheres", &["distant"], &[]) {
+        for column in ["straight", "front", "back"] {
+            let error = row.number(&format!("{column}_error"));
+            assert!(error > 0.0, "{column}");
+            if row.number(column) == 0.0 {
+                assert!((error * SPHERE / 3.0 - 1.0).abs() < 0.01, "{column}: {error}");
+                empty += 1;
+            }
+        }
+    }
+    assert!(empty > 5, "{empty}");
 }
 
 #[test]

@@ -21,12 +21,13 @@ pub(super) struct Kind {
 
 /// Light of one half space by radius, in mean free paths.
 pub(super) enum Truth<'a> {
-    Exact(Box<HalfSpace>),
+    /// With the factor that its errors take.
+    Exact(Box<HalfSpace>, f64),
     Walk(AtAlbedo<'a>, &'a WhiteTable),
 }
 
 /// Kinds with a phase function or a boundary of their own.
-const KINDS: [(f64, f64); 5] = [(0.0, 1.4), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
+const KINDS: [(f64, f64); 6] = [(0.0, 1.4), (-0.5, 1.0), (0.5, 1.0), (0.8, 1.0), (0.9, 1.0), (0.8, 1.4)];
 /// Surface albedos of the plain kinds, and of all others.
 const ALBEDOS: [f64; 13] = [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.98];
 const FEW_ALBEDOS: [f64; 5] = [0.2, 0.5, 0.8, 0.9, 0.95];
@@ -61,9 +62,9 @@ impl Kind {
         self.configuration.into()
     }
 
-    /// Length by which light of this kind forgets its direction, in mean free paths, where nothing is absorbed.
+    /// Length by which light of this kind forgets its direction, in mean free paths, where nothing is absorbed; at least 1.
     pub(super) fn reach(&self) -> f64 {
-        1.0 / (1.0 - self.g)
+        1.0 / (1.0 - self.g.max(0.0))
     }
 
     /// Radii of its profiles, in mean free paths.
@@ -82,6 +83,16 @@ impl Kind {
         let totals = layers.totals(self.incidence())?;
         let entered = 1.0 - specular_reflectance(self.incidence(), self.eta);
         Ok(Estimate { value: totals.diffuse_reflectance / entered, error: totals.error / entered })
+    }
+
+    /// Single-scattering albedos of the half spaces whose light by radius is wanted: by the exact solution where it is that
+    /// which the light is taken from.
+    pub(super) fn media(&self, surface_albedos: &[f64]) -> Result<Vec<f64>, ParameterError> {
+        if self.is_exact() {
+            let exact = |a: &f64| single_scattering_albedo(*a, self.eta, self.incidence());
+            return surface_albedos.iter().map(exact).collect();
+        }
+        Ok(self.single_scattering_albedos(surface_albedos)?.into_iter().map(|[alpha, _]| alpha).collect())
     }
 
     /// Single-scattering albedos of the half spaces of some surface albedos, and the errors of the surface albedos that
@@ -169,19 +180,29 @@ impl From<ParameterError> for Fault {
     }
 }
 
+/// Errors under a boundary by the estimates of the solution, which compare two rules over directions that are much alike.
+const BOUNDARY_MARGIN: f64 = 50.0;
+
+fn widened(Estimate { value, error }: Estimate, margin: f64) -> Estimate {
+    Estimate { value, error: margin * error }
+}
+
 impl<'a> Truth<'a> {
     /// The light of the medium of a kind, by the walk of that kind if it has one.
     pub(super) fn of(kind: &Kind, alpha: f64, walk: Option<&'a WhiteTable>) -> Result<Self, ParameterError> {
         match walk {
             Some(table) => Ok(Self::Walk(table.at_albedo(alpha)?, table)),
-            None => Ok(Self::Exact(Box::new(HalfSpace::with_boundary(alpha, kind.eta, kind.incidence())?))),
+            None => {
+                let half_space = HalfSpace::with_boundary(alpha, kind.eta, kind.incidence())?;
+                Ok(Self::Exact(Box::new(half_space), if kind.eta == 1.0 { 1.0 } else { BOUNDARY_MARGIN }))
+            }
         }
     }
 
     /// How it is known, in a word.
     pub(super) fn method(&self) -> &'static str {
         match self {
-            Self::Exact(_) => "exact",
+            Self::Exact(..) => "exact",
             Self::Walk(..) => "walk",
         }
     }
@@ -189,7 +210,7 @@ impl<'a> Truth<'a> {
     /// Surface albedo A.
     pub(super) fn total(&self) -> Estimate {
         match self {
-            Self::Exact(half_space) => half_space.total(),
+            Self::Exact(half_space, margin) => widened(half_space.total(), *margin),
             Self::Walk(at, _) => at.total(Side::Reflected),
         }
     }
@@ -197,7 +218,9 @@ impl<'a> Truth<'a> {
     /// R at one of the kind's radii, and the light within it; of a walk R is the mean over narrow rings on both sides.
     pub(super) fn at_radius(&self, r: f64) -> [Estimate; 2] {
         match self {
-            Self::Exact(half_space) => [half_space.eval(r), half_space.enclosed(r)],
+            Self::Exact(half_space, margin) => {
+                [half_space.eval(r), half_space.enclosed(r)].map(|found| widened(found, *margin))
+            }
             Self::Walk(at, table) => {
                 let edge = table.layout().radii().partition_point(|edge| *edge < r * (1.0 - 1e-9));
                 // The two rings on both sides: their mean is R(r) but for its curvature
@@ -216,7 +239,7 @@ impl<'a> Truth<'a> {
     /// Light beside a lit shape, as [`LitShape::response`].
     pub(super) fn response(&self, shape: &LitShape) -> Estimate {
         match self {
-            Self::Exact(half_space) => shape.response(&**half_space),
+            Self::Exact(half_space, margin) => widened(shape.response(&**half_space), *margin),
             Self::Walk(at, table) => {
                 let photons = table.photons() as f64;
                 let radii = table.layout().radii();

@@ -10,9 +10,9 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 21] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 9480),
+    ("translucid-cli", 9700),
     ("translucid-display", 100),
-    ("translucid-export", 2750),
+    ("translucid-export", 2810),
     ("translucid-files", 200),
     ("translucid-fit", 1200),
     ("translucid-gpu", 880),
