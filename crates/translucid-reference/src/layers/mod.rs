@@ -15,7 +15,7 @@ mod rays;
 mod totals;
 mod walk;
 
-pub use layer::{Deflection, Layer};
+pub use layer::Layer;
 pub use profile::{DiffuseProfile, LayersProfile};
 pub use totals::Totals;
 pub use walk::{Grid, LayersTally, Quantity};
