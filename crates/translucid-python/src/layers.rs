@@ -11,10 +11,11 @@ use pyo3::types::{PyList, PyMapping, PyTuple};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_reference::layers::{Grid, Ground, Layer, Layers, LayersError, LayersTally, Quantity, Totals};
-use translucid_reference::walk::Control;
+use translucid_reference::walk::{Control, PhaseFunction};
 use translucid_reference::{Estimate, Incidence};
 
 use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
+use crate::phase_function::phase_function;
 use crate::photons::Photons;
 use crate::reference::{pool, report, with_progress};
 use crate::{long_work, names};
