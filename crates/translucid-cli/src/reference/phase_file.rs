@@ -8,6 +8,7 @@ use translucid_reference::walk::{PhaseFunction, PhaseTable};
 use translucid_scene::{Place, SceneError};
 
 use crate::files::{broken_csv, read_at_most};
+use crate::table::exact;
 
 /// Greatest file, in bytes.
 const MOST_BYTES: u64 = 1 << 24;
@@ -50,7 +51,8 @@ pub(super) fn read_phase_file(path: &Path) -> Result<PhaseFunction, SceneError> 
             let text = record.get(column).unwrap_or_default();
             let value = text.parse::<f64>().ok().filter(|value| (low..=high).contains(value));
             value.ok_or_else(|| {
-                let message = format!("{name} is \"{text}\", but must be a number in [{low}, {high:e}]");
+                let range = format!("[{}, {}]", exact(low), exact(high));
+                let message = format!("{name} is \"{text}\", but must be a number in {range}");
                 SceneError::at(Place::line(path, line), message)
             })
         };
