@@ -260,7 +260,10 @@ fn wrong_options_are_refused_with_a_reason() {
         ("--single-scattering-albedo 0.9 --at 1 --phase-function two-term:1,2", "two-term has 2 numbers"),
         ("--single-scattering-albedo 0.9 --at 1 --phase-function two-term:2,0,0", "weight of a two-term"),
         ("--single-scattering-albedo 0.9 --at 1 --phase-function moments:0.3334", "for a walk"),
-        ("--single-scattering-albedo 0.9 --at 1 --phase-function moments:0.9", "no moments of a phase function"),
+        (
+            "--single-scattering-albedo 0.9 --at 1 --phase-function moments:0.9",
+            "no moments of a phase function",
+        ),
         ("--single-scattering-albedo 0.9 --at 1 --phase-function none.csv", "cannot be read"),
         ("--single-scattering-albedo 0.9 --at 1 --phase-function none.csv --g 0.5", "--g is 0.5"),
         ("--single-scattering-albedo 0.9 --at 1 --thickness 2", "monte-carlo"),
