@@ -37,7 +37,7 @@ fn walked(phase_function: &PhaseFunction, eta: f64, radii: &[f64], seed: u64) ->
         Parameters { phase_function, eta, incidence: Incidence::NORMAL, ..Parameters::default() };
     let layout = Layout::around(radii).unwrap();
     let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, ALBEDO).unwrap();
-    table.run(seed, power(2_000_000), &Control::default()).unwrap();
+    table.run(seed, power(40_000_000), &Control::default()).unwrap();
     table
 }
 
@@ -74,9 +74,10 @@ fn walk_agrees_with_the_solution_by_moments() {
         let judge = |what: &str, found: f64, error: f64, expected: f64, doubt: f64| {
             let z = (found - expected) / error.hypot(doubt);
             println!(
-                "{walk} eta {eta} {what}: walk {found:.6} ± {error:.6}, solution {expected:.6} ± {doubt:.6}, z {z:.2}"
+                "{} eta {eta} {what}: walk {found:.6} ± {error:.6}, solution {expected:.6} ± {doubt:.6}, z {z:.2}",
+                walk.name()
             );
-            assert!(z.abs() < 4.5, "{walk} {what}: {found} {expected}, z = {z}");
+            assert!(z.abs() < 4.5, "{walk:?} {what}: {found} {expected}, z = {z}");
         };
         let (total, totals) = (at.total(Side::Reflected), layers.totals(Incidence::NORMAL).unwrap());
         judge("total", total.value, total.error, totals.diffuse_reflectance / entering, totals.error);
@@ -95,23 +96,19 @@ fn walk_agrees_with_the_solution_by_moments() {
     }
 }
 
-/// γ orders light near the source at equal g: R at half a transport mean free path differs by far more than its error, and at
-/// six not by 5 %.
+/// At equal g, light near the source is brighter where γ is smaller: by a quarter at a tenth of a transport mean free path, z
+/// of the difference above 5.
 #[test]
-fn gamma_shows_near_the_source_only() {
-    let strong = PhaseFunction::TwoTerm { weight: 0.9, g1: 0.8, g2: 0.0 };
-    let weak = PhaseFunction::HenyeyGreenstein { g: strong.mean_cosine() };
-    assert!(weak.gamma() > strong.gamma() + 0.1);
-    let transport = 1.0 / (1.0 - ALBEDO * weak.mean_cosine());
-    let radii = [0.5, 6.0].map(|r| r * transport);
-    let tables = [&strong, &weak].map(|phase_function| walked(phase_function, 1.0, &radii, 31));
-    let [near, far] = radii.map(|r| {
-        tables
-            .each_ref()
-            .map(|table| table.at_albedo(ALBEDO).unwrap().at_radius(Side::Reflected, r).unwrap().reflectance)
+fn gamma_orders_light_near_the_source() {
+    let small = PhaseFunction::TwoTerm { weight: 0.9, g1: 0.8, g2: 0.0 };
+    let great = PhaseFunction::HenyeyGreenstein { g: small.mean_cosine() };
+    assert!(great.gamma() > small.gamma() + 0.2);
+    let r = 0.1 / (1.0 - ALBEDO * small.mean_cosine());
+    let [small, great] = [&small, &great].map(|phase_function| {
+        let table = walked(phase_function, 1.0, &[r], 31);
+        table.at_albedo(ALBEDO).unwrap().at_radius(Side::Reflected, r).unwrap().reflectance
     });
-    let z = (near[0].value - near[1].value) / near[0].error.hypot(near[1].error);
-    println!("near {near:?}, far {far:?}, z {z}");
-    assert!(z > 5.0, "{near:?}");
-    assert!((far[0].value / far[1].value - 1.0).abs() < 0.05, "{far:?}");
+    let z = (small.value - great.value) / small.error.hypot(great.error);
+    println!("{small:?}, {great:?}, z {z:.1}");
+    assert!(z > 5.0, "{small:?} {great:?}");
 }
