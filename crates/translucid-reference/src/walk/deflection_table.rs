@@ -16,7 +16,7 @@ const CELLS: usize = 1 << BITS;
 
 /// Versines 1 − cos θ between cells of equal probability, in which the versine is uniform.
 ///
-/// Moments are right to 1e-6, to 3e-6 where p spans five orders of magnitude, and to 3e-5, half a cell's probability, where
+/// Moments are right to 1e-6, to 3e-6 where p spans five orders of magnitude, and to 6e-5, the probability of a cell, where
 /// p is 0 over a wide range of angles.
 #[derive(PartialEq)]
 pub(crate) struct DeflectionTable {
@@ -141,7 +141,7 @@ mod tests {
             (PhaseFunction::TwoTerm { weight: 0.9, g1: 0.9, g2: -0.4 }, 1e-6),
             (PhaseFunction::Moments([0.0, 0.1].into()), 1e-6),
             (PhaseFunction::Table(Arc::new(table)), 3e-6),
-            (PhaseFunction::Table(Arc::new(gap)), 0.5 / CELLS as f64),
+            (PhaseFunction::Table(Arc::new(gap)), 1.0 / CELLS as f64),
         ] {
             let mut found = cosines(&phase_function);
             for l in 1..=20usize {
