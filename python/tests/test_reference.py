@@ -350,6 +350,24 @@ def test_walk_of_layers_agrees_with_their_totals():
         assert np.array_equal(one, other)
 
 
+PLAIN = dict(scattering=0.9, absorption=0.1)
+
+
+@pytest.mark.parametrize("phase_function", [
+    "two-term:0.9,0.8,-0.3", "moments:0.5,0.3,0.1", "rayleigh", [[-1.0, 0.1], [0.0, 0.1], [1.0, 2.0]],
+])
+def test_phase_functions_of_walks_are_those_of_layers(phase_function):
+    table = walk(100_000, single_scattering_albedo=0.9, configuration="searchlight", phase_function=phase_function, seed=5)
+    layer = PLAIN | {"phase_function": phase_function}
+    total, (value, error) = reference.layers([layer]).diffuse_reflectance, table.total(single_scattering_albedo=0.9)
+    assert abs(value - total) < 4.5 * error
+    value, error = reference.layers_walk(100_000, [layer], seed=6).reflected
+    assert abs(value - total) < 4.5 * error
+    words = {key: value for key, value in table.parameters.items() if key != "sectors"}
+    again = walk(100_000, single_scattering_albedo=0.9, seed=5, **words)
+    assert again.total(single_scattering_albedo=0.9) == table.total(single_scattering_albedo=0.9)
+
+
 @pytest.mark.parametrize("call, error, words", [
     (lambda: reference.layers(3), TypeError, "a list of dicts"),
     (lambda: reference.layers([3]), TypeError, r"layers\[0\] must be a dict"),
@@ -358,6 +376,10 @@ def test_walk_of_layers_agrees_with_their_totals():
     (lambda: reference.layers([{"scatering": 1.0}]), ValueError, "has no key \"scatering\", but may have thickness"),
     (lambda: reference.layers([SKIN[1] | {"mfp": 1.0}]), TypeError, "or surface_albedo and mfp"),
     (lambda: reference.layers([SKIN[1] | {"moments": [0.5]}]), TypeError, "one of g and moments"),
+    (lambda: reference.layers([dict(surface_albedo=0.5, mfp=1.0, moments=[0.5])]), TypeError, "give scattering and abs"),
+    (lambda: reference.layers([PLAIN | {"moments": [0.5], "phase_function": "rayleigh"}]), TypeError, "one of moments"),
+    (lambda: reference.layers([PLAIN | {"phase_function": "mie"}]), ValueError, "is \"mie\", but must be one of"),
+    (lambda: reference.layers_walk(10, [PLAIN | {"moments": [0.3334]}]), ValueError, "at every angle, for a walk"),
     (lambda: reference.layers([SKIN[0] | {"thickness": [1.0, 0.0]}]), ValueError, r"layer 1: thickness is 0.*index \[1\]"),
     (lambda: reference.layers([SKIN[0] | {"g": np.nan}]), ValueError, "g is NaN"),
     (lambda: reference.layers(SKIN, eta_below=1.0, ground_reflectance=0.0), TypeError, "one of eta_below and ground"),

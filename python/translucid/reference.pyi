@@ -247,7 +247,7 @@ def walk(
     reference_albedo: float | None = None,
     configuration: _Configuration | None = None,
     g: float | None = None,
-    phase_function: Literal["henyey-greenstein", "rayleigh"] = "henyey-greenstein",
+    phase_function: str | ArrayLike | None = None,
     eta: float | None = None,
     thickness: float | None = None,
     spot_radius: float | None = None,

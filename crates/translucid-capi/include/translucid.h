@@ -212,7 +212,8 @@ typedef struct {
 typedef struct {
   // Mean cosine of the phase function, in (-1, 1).
   double g;
-  // "henyey-greenstein", the default, or "rayleigh", for g = 0.
+  // "henyey-greenstein", the default, or for g = 0 "rayleigh", "two-term:W,G1,G2" (parts W and 1 - W of two
+  // Henyey-Greenstein functions) or "moments:X1,X2,..." (Legendre moments from the first on).
   const char *phase_function;
   // Relative index of refraction, inside over outside, in [0.1, 10]; by default 1.
   double eta;

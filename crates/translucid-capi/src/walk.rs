@@ -49,7 +49,8 @@ impl Kind for TranslucidWhiteTable {
 pub struct TranslucidWalk {
     /// Mean cosine of the phase function, in (-1, 1).
     pub g: f64,
-    /// "henyey-greenstein", the default, or "rayleigh", for g = 0.
+    /// "henyey-greenstein", the default, or for g = 0 "rayleigh", "two-term:W,G1,G2" (parts W and 1 - W of two
+    /// Henyey-Greenstein functions) or "moments:X1,X2,..." (Legendre moments from the first on).
     pub phase_function: *const c_char,
     /// Relative index of refraction, inside over outside, in [0.1, 10]; by default 1.
     pub eta: f64,
@@ -96,22 +97,10 @@ pub unsafe extern "C" fn translucid_white_table_new(
         let slot = caller.slot("table", table)?;
         let walk = caller.structure("walk", walk)?;
         let g = walk.g;
-        let phase_function =
-            match caller.text_or("phase_function", walk.phase_function, "henyey-greenstein")? {
-                "henyey-greenstein" => PhaseFunction::HenyeyGreenstein { g },
-                "rayleigh" if g == 0.0 => PhaseFunction::Rayleigh,
-                "rayleigh" => {
-                    let message = format_args!("g is {g}, but Rayleigh's phase function has g = 0");
-                    return Err(Failure::argument(message));
-                }
-                other => {
-                    return Err(Failure::unknown(
-                        "phase_function",
-                        other,
-                        &["henyey-greenstein", "rayleigh"],
-                    ));
-                }
-            };
+        let phase_function = caller.text_or("phase_function", walk.phase_function, "henyey-greenstein")?;
+        let phase_function = PhaseFunction::parse(phase_function, g)
+            .map_err(Failure::argument)?
+            .ok_or_else(|| Failure::unknown("phase_function", phase_function, &PhaseFunction::WORDS))?;
         let eta = names::number_or(walk.eta, 1.0);
         let incidence = names::incidence(caller, walk.configuration, walk.incidence_angle, eta)?;
         let thickness = names::number_or(walk.thickness, f64::INFINITY);

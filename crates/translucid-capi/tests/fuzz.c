@@ -309,7 +309,7 @@ static TranslucidStatus white_new(void) {
     double *radii = rising(count);
     TranslucidWalk given = {0};
     given.g = cosine();
-    given.phase_function = rarely(3) ? one_of("henyey-greenstein", "rayleigh") : NULL;
+    given.phase_function = rarely(3) ? one_of("moments:0.1,0.05", "rayleigh") : NULL;
     given.eta = index_of_refraction();
     given.thickness = rarely(3) ? positive() : 0.0;
     given.spot_radius = rarely(10) ? strange() : 0.0;

@@ -98,10 +98,16 @@ impl Law {
                  {THINNEST} at least"
             ));
         }
-        let (phase_function, g) = match parameters.phase_function {
+        let (phase_function, g) = match &parameters.phase_function {
             PhaseFunction::HenyeyGreenstein { g: 0.0 } => (ISOTROPIC, 0.0),
-            PhaseFunction::HenyeyGreenstein { g } => (HENYEY_GREENSTEIN, g),
+            PhaseFunction::HenyeyGreenstein { g } => (HENYEY_GREENSTEIN, *g),
             PhaseFunction::Rayleigh => (RAYLEIGH, 0.0),
+            other => {
+                return Err(format!(
+                    "the phase function is {}, but a device walks with henyey-greenstein and rayleigh only",
+                    other.name()
+                ));
+            }
         };
         if g.abs() > MOST_ANISOTROPIC {
             return Err(format!(

@@ -11,10 +11,11 @@ use pyo3::types::{PyList, PyMapping, PyTuple};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_reference::layers::{Grid, Ground, Layer, Layers, LayersError, LayersTally, Quantity, Totals};
-use translucid_reference::walk::Control;
+use translucid_reference::walk::{Control, PhaseFunction};
 use translucid_reference::{Estimate, Incidence};
 
 use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
+use crate::phase_function::phase_function;
 use crate::photons::Photons;
 use crate::reference::{pool, report, with_progress};
 use crate::{long_work, names};
@@ -26,8 +27,8 @@ type Inversions = HashMap<u64, AlbedoInversion>;
 
 /// Keys of a layer that have a number each.
 const KEYS: [&str; 7] = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "eta"];
-/// The key of a layer that has a list.
-const MOMENTS: &str = "moments";
+/// Keys of a layer that have a phase function in the place of g.
+const PHASE_FUNCTIONS: [&str; 2] = ["moments", "phase_function"];
 /// Numbers that a call returns of each stack, beside what each layer absorbs.
 const RESULTS: usize = 6;
 /// Error of totals beyond which they are none.
@@ -42,10 +43,10 @@ struct Stacks<'py> {
     below: Below,
 }
 
-/// Places of a layer's numbers among all arguments, in the order of [`KEYS`], and its moments.
+/// Places of a layer's numbers among all arguments, in the order of [`KEYS`], and its phase function where g is none.
 struct LayerKeys {
     places: [Option<usize>; KEYS.len()],
-    moments: Option<Vec<f64>>,
+    phase_function: Option<PhaseFunction>,
 }
 
 /// Where the number is that tells what is below, if any does.
@@ -84,7 +85,7 @@ impl<'py> Stacks<'py> {
     }
 
     fn read_layer(&mut self, layer: &Bound<'py, PyMapping>, number: usize) -> PyResult<LayerKeys> {
-        let mut keys = LayerKeys { places: [None; KEYS.len()], moments: None };
+        let mut keys = LayerKeys { places: [None; KEYS.len()], phase_function: None };
         for item in layer.items()?.iter() {
             let (key, value): (Any<'py>, Any<'py>) = item.extract()?;
             let key: String = key.extract().map_err(|_| {
@@ -92,16 +93,24 @@ impl<'py> Stacks<'py> {
                 PyTypeError::new_err(format!("layers[{number}] has the key {key}, but keys are words"))
             })?;
             let name = format!("layers[{number}][{key:?}]");
-            if key == MOMENTS {
-                let moments = Numbers::extract(&name, &value)?;
-                if moments.shape().len() != 1 {
-                    return Err(PyValueError::new_err(format!("{name} must be a list of numbers")));
+            if PHASE_FUNCTIONS.contains(&key.as_str()) {
+                let known = if key == PHASE_FUNCTIONS[0] {
+                    let moments = Numbers::extract(&name, &value)?;
+                    if moments.shape().len() != 1 {
+                        return Err(PyValueError::new_err(format!("{name} must be a list of numbers")));
+                    }
+                    PhaseFunction::Moments(moments.broadcast(moments.shape()).into())
+                } else {
+                    phase_function(&name, Some(&value), 0.0)?
+                };
+                if keys.phase_function.replace(known).is_some() {
+                    let message = format!("layers[{number}] may have one of moments and phase_function");
+                    return Err(PyTypeError::new_err(message));
                 }
-                keys.moments = Some(moments.broadcast(moments.shape()));
                 continue;
             }
             let Some(place) = KEYS.iter().position(|known| *known == key) else {
-                let known = [&KEYS[..], &[MOMENTS]].concat().join(", ");
+                let known = [&KEYS[..], &PHASE_FUNCTIONS].concat().join(", ");
                 let message = format!("layers[{number}] has no key {key:?}, but may have {known}");
                 return Err(PyValueError::new_err(message));
             };
@@ -116,8 +125,15 @@ impl<'py> Stacks<'py> {
                 )));
             }
         }
-        if g && keys.moments.is_some() {
-            return Err(PyTypeError::new_err(format!("layers[{number}] may have one of g and moments")));
+        if g && keys.phase_function.is_some() {
+            let message = format!("layers[{number}] may have one of g and moments, or g and phase_function");
+            return Err(PyTypeError::new_err(message));
+        }
+        if surface_albedo && keys.phase_function.is_some() {
+            return Err(PyTypeError::new_err(format!(
+                "layers[{number}] has a surface_albedo, which is known for Henyey's and Greenstein's phase function alone: \
+                 give scattering and absorption beside moments or phase_function"
+            )));
         }
         Ok(keys)
     }
@@ -198,8 +214,8 @@ impl<'py> Stacks<'py> {
                 }
             };
             let layer = layer.with_eta(eta.unwrap_or(1.0));
-            layers.push(match &keys.moments {
-                Some(moments) => layer.with_moments(moments.clone()),
+            layers.push(match &keys.phase_function {
+                Some(phase_function) => layer.with_phase_function(phase_function.clone()),
                 None => layer,
             });
         }
@@ -305,10 +321,10 @@ fn named<'py>(py: Python<'py>, class: &str, fields: Vec<Any<'py>>) -> PyResult<A
 ///     Each has `scattering` and `absorption`, coefficients in any one inverse unit, or `surface_albedo` and `mfp`: the
 ///     share of diffuse light that an endless layer of its medium would return without a boundary, and its mean free path.
 ///     `thickness` may be left out in the last layer, which is endless then.
-///     `g`, 0 by default, is the mean cosine of Henyey's and Greenstein's phase function, in (-1, 1); `moments` in its
-///     place are Legendre moments 1, 2, ... of another.
+///     `g`, 0 by default, is the mean cosine of Henyey's and Greenstein's phase function, in (-1, 1); in its place
+///     `moments` are Legendre moments 1, 2, ... of another, and `phase_function` is one as in `walk`.
 ///     `eta` is the index of refraction, 1 by default, in [0.1, 10].
-///     All but `moments` may be arrays, such as one value per wavelength.
+///     All but these two may be arrays, such as one value per wavelength.
 /// eta_above : array_like, default 1
 ///     Index of refraction of the medium that light comes from.
 /// eta_below : array_like, optional
@@ -519,7 +535,7 @@ pub(crate) fn layers_profile<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a parameter is outside its range, or a phase function is given by its moments.
+///     If a parameter is outside its range, or moments make a phase function negative at some angle.
 /// TypeError
 ///     If a layer lacks a key, or an argument is no number.
 ///

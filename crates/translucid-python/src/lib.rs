@@ -14,6 +14,7 @@ mod long_work;
 mod mattes;
 mod measure;
 mod names;
+mod phase_function;
 mod photons;
 mod pictures;
 mod profile;

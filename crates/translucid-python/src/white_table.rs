@@ -13,8 +13,8 @@ use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyRange, PyType};
 use translucid_gpu::Choice;
 use translucid_profile::ParameterError;
 use translucid_reference::walk::{
-    AtAlbedo, Control, Device, Layout, Parameters, PhaseFunction, PilotError, Problem, Region, Side,
-    TableError, WhiteTable as Table,
+    AtAlbedo, Control, Device, Layout, Parameters, PilotError, Problem, Region, Side, TableError,
+    WhiteTable as Table,
 };
 use translucid_reference::{Estimate, Incidence};
 
@@ -23,7 +23,7 @@ use crate::photons::Photons;
 use crate::profile::{Profile, number_or};
 use crate::profile_pickle::Origin;
 use crate::reference::{Pair, albedo, incidence, pool, report, with_progress};
-use crate::{long_work, names};
+use crate::{long_work, names, phase_function};
 
 /// Most radii of a table, each with three edges of rings.
 const MOST_RADII: usize = 8000;
@@ -149,8 +149,10 @@ fn table_error(error: TableError) -> PyErr {
 ///     tilted beam.
 /// g : float, default 0
 ///     Mean cosine of Henyey's and Greenstein's phase function, in (-1, 1).
-/// phase_function : {"henyey-greenstein", "rayleigh"}, default "henyey-greenstein"
-///     Distribution of the angle of scattering.
+/// phase_function : str or array_like of shape (n, 2), default "henyey-greenstein"
+///     Distribution of the angle of scattering: "henyey-greenstein", "rayleigh", "two-term:W,G1,G2" for parts W and 1 - W of
+///     two of Henyey's and Greenstein's, "moments:X1,X2,..." for Legendre moments from the first on; or rows of a cosine,
+///     rising from -1 to 1, and a value in any scale, linear between them.
 /// eta : float, default 1
 ///     Relative index of refraction, inside over outside, in [0.1, 10].
 /// thickness : float, optional
@@ -194,7 +196,7 @@ fn table_error(error: TableError) -> PyErr {
 /// >>> bool(abs(value - 2.1217649785e-2) < 4 * error)
 /// True
 #[pyfunction]
-#[pyo3(signature = (photons=None, *, radii=None, edges=None, surface_albedo=None, single_scattering_albedo=None, reference_albedo=None, configuration=None, g=None, phase_function="henyey-greenstein", eta=None, thickness=None, spot_radius=None, incidence_angle=None, sectors=1, seed=0, threads=None, device="cpu", progress=None))]
+#[pyo3(signature = (photons=None, *, radii=None, edges=None, surface_albedo=None, single_scattering_albedo=None, reference_albedo=None, configuration=None, g=None, phase_function=None, eta=None, thickness=None, spot_radius=None, incidence_angle=None, sectors=1, seed=0, threads=None, device="cpu", progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn walk(
     py: Python<'_>,
@@ -206,7 +208,7 @@ pub(crate) fn walk(
     reference_albedo: Option<&Any<'_>>,
     configuration: Option<&str>,
     g: Option<&Any<'_>>,
-    phase_function: &str,
+    phase_function: Option<&Any<'_>>,
     eta: Option<&Any<'_>>,
     thickness: Option<&Any<'_>>,
     spot_radius: Option<&Any<'_>>,
@@ -221,14 +223,7 @@ pub(crate) fn walk(
     let any = |name: &'static str| Rule::new(name, "a number", f64::NEG_INFINITY, f64::INFINITY);
     let one = |name: &'static str, given, default| number_or(name, given, default)?.single(&any(name));
     let g = one("g", g, 0.0)?;
-    let phase_function = match phase_function {
-        "henyey-greenstein" => PhaseFunction::HenyeyGreenstein { g },
-        "rayleigh" if g == 0.0 => PhaseFunction::Rayleigh,
-        "rayleigh" => {
-            return Err(PyValueError::new_err(format!("g is {g}, but Rayleigh's phase function has g = 0")));
-        }
-        other => return Err(names::unknown("phase_function", other, &["henyey-greenstein", "rayleigh"])),
-    };
+    let phase_function = phase_function::phase_function("phase_function", phase_function, g)?;
     let eta = one("eta", eta, 1.0)?;
     let thickness = one("thickness", thickness, f64::INFINITY)?;
     let spot_radius = one("spot_radius", spot_radius, 0.0)?;
@@ -753,11 +748,11 @@ impl WhiteTable {
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let table = self.get();
         let Parameters { phase_function, eta, thickness, incidence, spot_radius } =
-            *table.problem().parameters();
+            table.problem().parameters();
         let parameters = PyDict::new(py);
-        parameters.set_item("g", phase_function.mean_cosine())?;
-        let is_rayleigh = phase_function == PhaseFunction::Rayleigh;
-        parameters.set_item("phase_function", if is_rayleigh { "rayleigh" } else { "henyey-greenstein" })?;
+        let (phase_function, g) = phase_function::as_argument(py, phase_function)?;
+        parameters.set_item("g", g)?;
+        parameters.set_item("phase_function", phase_function)?;
         parameters.set_item("eta", eta)?;
         parameters.set_item("thickness", thickness.is_finite().then_some(thickness))?;
         parameters.set_item("spot_radius", spot_radius)?;

@@ -14,18 +14,24 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let hg = |g| PhaseFunction::HenyeyGreenstein { g };
     let matched = Parameters::default();
-    let cosine = Parameters { incidence: Incidence::Cosine, ..matched };
-    let milk = Parameters { eta: 1.4, phase_function: hg(0.8), ..matched };
+    let cosine = Parameters { incidence: Incidence::Cosine, ..matched.clone() };
+    let milk = Parameters { eta: 1.4, phase_function: hg(0.8), ..matched.clone() };
+    let two_term = PhaseFunction::TwoTerm { weight: 0.9, g1: 0.8, g2: -0.3 };
     println!("{:32} {:>8} {:>12} {:>13} {:>10}", "", "albedo", "collisions", "ns/collision", "ns/photon");
     for (name, parameters, albedos) in [
-        ("g=0 eta=1", matched, &[0.5, 0.9, 0.99, 0.999, 0.9999][..]),
-        ("g=0 eta=1 cosine", cosine, &[0.5, 0.9]),
-        ("g=0 eta=1.4", Parameters { eta: 1.4, ..matched }, &[0.5, 0.9, 0.999]),
-        ("g=0 eta=1.4 cosine", Parameters { eta: 1.4, ..cosine }, &[0.5, 0.9]),
-        ("g=0.8 eta=1", Parameters { phase_function: hg(0.8), ..matched }, &[0.9, 0.999]),
-        ("g=0.8 eta=1.4", milk, &[0.5, 0.9, 0.999]),
-        ("g=0.8 eta=1.4 slab 2", Parameters { thickness: 2.0, ..milk }, &[0.9, 0.999]),
-        ("Rayleigh eta=1", Parameters { phase_function: PhaseFunction::Rayleigh, ..matched }, &[0.9, 0.999]),
+        ("g=0 eta=1", matched.clone(), &[0.5, 0.9, 0.99, 0.999, 0.9999][..]),
+        ("g=0 eta=1 cosine", cosine.clone(), &[0.5, 0.9]),
+        ("g=0 eta=1.4", Parameters { eta: 1.4, ..matched.clone() }, &[0.5, 0.9, 0.999]),
+        ("g=0 eta=1.4 cosine", Parameters { eta: 1.4, ..cosine.clone() }, &[0.5, 0.9]),
+        ("g=0.8 eta=1", Parameters { phase_function: hg(0.8), ..matched.clone() }, &[0.9, 0.999]),
+        ("g=0.8 eta=1.4", milk.clone(), &[0.5, 0.9, 0.999]),
+        ("g=0.8 eta=1.4 slab 2", Parameters { thickness: 2.0, ..milk.clone() }, &[0.9, 0.999]),
+        ("two-term eta=1", Parameters { phase_function: two_term, ..matched.clone() }, &[0.9, 0.999]),
+        (
+            "Rayleigh eta=1",
+            Parameters { phase_function: PhaseFunction::Rayleigh, ..matched.clone() },
+            &[0.9, 0.999],
+        ),
     ] {
         for &albedo in albedos {
             for (walker, kind) in [
@@ -36,7 +42,7 @@ fn main() {
             ] {
                 let row = format!("{name} {kind}");
                 if words.iter().all(|word| row.contains(word)) {
-                    measure(&row, walker, &Problem::new(parameters).unwrap(), albedo);
+                    measure(&row, walker, &Problem::new(parameters.clone()).unwrap(), albedo);
                 }
             }
         }

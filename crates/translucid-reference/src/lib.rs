@@ -34,6 +34,10 @@ pub mod layers;
 #[cfg(not(target_family = "wasm"))]
 pub mod mcml;
 #[cfg(not(target_family = "wasm"))]
+mod phase_function;
+#[cfg(not(target_family = "wasm"))]
+mod phase_table;
+#[cfg(not(target_family = "wasm"))]
 mod ray;
 #[cfg(not(target_family = "wasm"))]
 mod split_mix;

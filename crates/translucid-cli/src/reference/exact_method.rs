@@ -51,12 +51,15 @@ fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) 
         Err(Failure::input(format!("the exact method has no {what}"))
             .with_help("use --method monte-carlo, which does"))
     };
-    match parameters.phase_function {
+    match &parameters.phase_function {
         PhaseFunction::HenyeyGreenstein { g: 0.0 } => {}
         PhaseFunction::HenyeyGreenstein { g } => {
-            return refuse(format!("anisotropic scattering, and --g is {}, not 0", exact(g)));
+            return refuse(format!("anisotropic scattering, and --g is {}, not 0", exact(*g)));
         }
-        PhaseFunction::Rayleigh => return refuse(String::from("phase function but the isotropic one")),
+        _ => {
+            let what = "phase function but the isotropic one outside of --layers";
+            return refuse(String::from(what));
+        }
     }
     if let Some(thickness) = arguments.thickness {
         return refuse(format!("slab, and --thickness is {}", exact(thickness)));

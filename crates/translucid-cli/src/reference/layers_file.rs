@@ -6,8 +6,11 @@ use std::path::Path;
 use translucid_load::load_toml;
 use translucid_profile::{AlbedoInversion, Configuration, Parameterization};
 use translucid_reference::layers::{Ground, Layer, Layers};
+use translucid_reference::walk::PhaseFunction;
 use translucid_scene::description::{Content, Item, Table};
 use translucid_scene::{Interval, SceneError};
+
+use super::phase_file::{is_phase_file, read_phase_file};
 
 const COEFFICIENT: Interval = Interval::closed(0.0, 1e30);
 const COSINE: Interval = Interval::open(-1.0, 1.0);
@@ -84,8 +87,17 @@ impl<'a> LayersReader<'a> {
     }
 
     fn layer(&self, table: Table<'_>) -> Result<Layer, SceneError> {
-        let keys = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "moments", "eta"];
-        let table = table.allow(&keys)?;
+        let table = table.allow(&[
+            "thickness",
+            "scattering",
+            "absorption",
+            "surface_albedo",
+            "mfp",
+            "g",
+            "moments",
+            "phase_function",
+            "eta",
+        ])?;
         let thickness = table.read("thickness", f64::INFINITY, |item| match item.content() {
             Content::Float(f64::INFINITY) => Ok(f64::INFINITY),
             _ => item.double(Self::LENGTH),
@@ -116,13 +128,24 @@ impl<'a> LayersReader<'a> {
             }
         };
         let layer = layer.with_eta(table.read("eta", 1.0, |item| (self.number)(item, Self::ETA))?);
-        let Some(moments) = table.get("moments") else { return Ok(layer) };
-        if table.get("g").is_some() {
-            return Err(
-                moments.error(format!("{} are given beside g, but one of them is enough", moments.path()))
-            );
+        let (moments, named) = (table.get("moments"), table.get("phase_function"));
+        let Some(item) = moments.as_ref().or(named.as_ref()) else { return Ok(layer) };
+        let path = item.path();
+        let both = moments.is_some() && named.is_some();
+        if both || table.get("g").is_some() {
+            let other = if both { "phase_function" } else { "g" };
+            return Err(item.error(format!("{path} is given beside {other}, but one of them is enough")));
         }
-        Ok(layer.with_moments(read_moments(&moments)?))
+        if table.get("surface_albedo").is_some() {
+            let message = format!(
+                "{path} is given beside surface_albedo, which is known for Henyey and Greenstein's alone"
+            );
+            return Err(item.error(message).with_help("give scattering and absorption"));
+        }
+        Ok(layer.with_phase_function(match &named {
+            Some(named) => read_phase_function(named)?,
+            None => PhaseFunction::Moments(read_moments(item)?.into()),
+        }))
     }
 
     /// The medium whose half space without a boundary has the surface albedo under diffuse light.
@@ -164,6 +187,17 @@ impl<'a> LayersReader<'a> {
                 .error("below needs one of the keys eta, of a clear medium, and reflectance, of a ground")),
         }
     }
+}
+
+/// A phase function by its words, or a table in a file.
+fn read_phase_function(item: &Item<'_>) -> Result<PhaseFunction, SceneError> {
+    let text = item.text()?;
+    if is_phase_file(text) {
+        return read_phase_file(&item.file()?);
+    }
+    let found = PhaseFunction::parse(text, 0.0)
+        .map_err(|problem| item.error(format!("{}: {problem}", item.path())))?;
+    found.ok_or_else(|| item.refuse(&format!("one of {}, or a FILE.csv", PhaseFunction::WORDS.join(", "))))
 }
 
 fn read_moments(item: &Item<'_>) -> Result<Vec<f64>, SceneError> {

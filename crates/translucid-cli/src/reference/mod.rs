@@ -6,6 +6,7 @@ mod layers_method;
 mod layers_walk;
 mod mci_method;
 mod merging;
+mod phase_file;
 mod photons;
 mod walk_method;
 
@@ -20,6 +21,7 @@ use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
 use translucid_reference::{Estimate, Incidence};
 
+use self::phase_file::{is_phase_file, read_phase_file};
 use crate::failure::Failure;
 use crate::machine;
 use crate::model::ConfigurationName;
@@ -57,6 +59,7 @@ Examples:
   translucid reference --layers skin.toml --incidence-angle 45
   translucid reference --layers paint.toml --at 0.1,1,10
   translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --phase-function two-term:0.9,0.8,-0.3 --at 1
   translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons 1e9..2e9 -o part-1.npz
@@ -113,9 +116,11 @@ pub(crate) struct ReferenceArguments {
     /// Mean cosine of the phase function, in (-1, 1)
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     g: f64,
-    /// Phase function
-    #[arg(long, value_enum, default_value_t = PhaseFunctionName::HenyeyGreenstein)]
-    phase_function: PhaseFunctionName,
+    /// Phase function: henyey-greenstein with --g, rayleigh, two-term:W,G1,G2 (parts W and 1 - W of two Henyey-Greenstein
+    /// functions), moments:X1,X2,... (Legendre moments from the first on), or a FILE.csv with the columns cosine or degrees,
+    /// and phase_function
+    #[arg(long, value_name = "NAME|FILE.csv", default_value = "henyey-greenstein")]
+    phase_function: String,
     /// Relative index of refraction, inside over outside
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     eta: f64,
@@ -149,14 +154,6 @@ enum Method {
     Exact,
     /// A walk of photons
     MonteCarlo,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PhaseFunctionName {
-    /// With the mean cosine --g
-    HenyeyGreenstein,
-    /// Particles much smaller than the wavelength
-    Rayleigh,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -200,22 +197,35 @@ impl ReferenceArguments {
             return Err(Failure::input("--side transmitted needs the thickness of a slab")
                 .with_help("give --thickness; nothing comes out at the far end of a half space"));
         }
-        let phase_function = match self.phase_function {
-            PhaseFunctionName::HenyeyGreenstein => PhaseFunction::HenyeyGreenstein { g: self.g },
-            PhaseFunctionName::Rayleigh if self.g != 0.0 => {
-                let g = exact(self.g);
-                return Err(Failure::input(format!("--g is {g}, but Rayleigh's phase function has g = 0")));
-            }
-            PhaseFunctionName::Rayleigh => PhaseFunction::Rayleigh,
-        };
         Problem::new(Parameters {
-            phase_function,
+            phase_function: self.phase_function()?,
             eta: self.eta,
             thickness: self.thickness.unwrap_or(f64::INFINITY) / self.mfp,
             incidence: self.incidence()?,
             spot_radius: self.spot_radius / self.mfp,
         })
         .map_err(|error| self.name_option(error))
+    }
+
+    fn phase_function(&self) -> Result<PhaseFunction, Failure> {
+        let text = &self.phase_function;
+        if is_phase_file(text) {
+            if self.g != 0.0 {
+                let g = exact(self.g);
+                return Err(Failure::input(format!("--g is {g}, but {text} states the mean cosine")));
+            }
+            return Ok(read_phase_file(Path::new(text))?);
+        }
+        let found = PhaseFunction::parse(text, self.g).map_err(|problem| {
+            let option = if problem.starts_with("g is") { "--" } else { "--phase-function " };
+            Failure::input(format!("{option}{problem}"))
+        })?;
+        found.ok_or_else(|| {
+            let known = PhaseFunction::WORDS.join(", ");
+            Failure::input(format!(
+                "--phase-function is \"{text}\", but must be one of {known}, or a FILE.csv"
+            ))
+        })
     }
 
     fn incidence(&self) -> Result<Incidence, Failure> {

@@ -227,7 +227,8 @@ impl<'a> WalkWork<'a> {
             }
             None => {
                 let albedo = albedos.reference(arguments, problem)?;
-                WhiteTable::new(*problem, layout, albedo).map_err(|error| arguments.name_option(error))?
+                WhiteTable::new(problem.clone(), layout, albedo)
+                    .map_err(|error| arguments.name_option(error))?
             }
         };
         let mut work = Self { arguments, table, radii, albedos, choice };

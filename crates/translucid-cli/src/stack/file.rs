@@ -85,7 +85,7 @@ fn replace_filaments(
     let root = Table::root(source, entries);
     for (i, layer) in root.tables("layer", Layers::MOST).unwrap_or_default().into_iter().enumerate() {
         let Some(item) = layer.get("filament") else { continue };
-        for key in ["scattering", "absorption", "surface_albedo", "mfp", "g", "moments"] {
+        for key in ["scattering", "absorption", "surface_albedo", "mfp", "g", "moments", "phase_function"] {
             if let Some(other) = layer.get(key) {
                 let message = format!("{} is given beside {}, which states it", other.path(), item.path());
                 return Err(other.error(message));

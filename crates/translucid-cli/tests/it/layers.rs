@@ -78,6 +78,15 @@ fn faults_are_named() {
         (&format!("{layer}g = 1\n"), "", "layer[0].g is 1, but must be in (-1, 1)"),
         (&format!("{layer}g = 0.5\nmoments = [0.5]\n"), "", "beside g, but one of them is enough"),
         (
+            &format!("{layer}phase_function = \"rayleigh\"\nmoments = [0.5]\n"),
+            "",
+            "beside phase_function, but one",
+        ),
+        (&format!("{layer}phase_function = \"mie\"\n"), "", "moments:X1,X2"),
+        (&format!("{layer}phase_function = \"none.csv\"\n"), "", "none.csv"),
+        (&format!("{layer}moments = [0.3334]\n"), "--method monte-carlo", "at every angle, for a walk"),
+        ("[[layer]]\nsurface_albedo = 0.5\nmfp = 1\nmoments = [0.5]\n", "", "give scattering and absorption"),
+        (
             &format!("{layer}{layer}"),
             "",
             "layer[0]: thickness is inf, but must be finite in all layers but the last",

@@ -208,17 +208,41 @@ pub(crate) fn cases() -> Vec<(Parameters, f64)> {
     let base = Parameters::default();
     let tilted = Incidence::Pencil { cos_theta: 0.3 };
     vec![
-        (Parameters { phase_function: hg(0.8), incidence: tilted, ..base }, 0.99),
+        (Parameters { phase_function: hg(0.8), incidence: tilted, ..base.clone() }, 0.99),
         (
-            Parameters { phase_function: hg(-0.6), eta: 1.4, incidence: Incidence::UniformCosine, ..base },
+            Parameters {
+                phase_function: hg(-0.6),
+                eta: 1.4,
+                incidence: Incidence::UniformCosine,
+                ..base.clone()
+            },
             0.95,
         ),
-        (Parameters { phase_function: hg(0.9), eta: 1.5, thickness: 3.0, spot_radius: 0.5, ..base }, 0.99),
-        (Parameters { phase_function: PhaseFunction::Rayleigh, eta: 0.8, thickness: 0.02, ..base }, 0.9),
-        (Parameters { phase_function: PhaseFunction::Rayleigh, incidence: Incidence::Cosine, ..base }, 0.98),
-        (Parameters { eta: 1.5, thickness: 0.5, incidence: Incidence::Cosine, ..base }, 0.9),
-        (Parameters { eta: 3.0, thickness: 20.0, incidence: tilted, ..base }, 0.999),
-        (Parameters { thickness: 1.0, incidence: tilted, spot_radius: 2.0, ..base }, 0.5),
+        (
+            Parameters {
+                phase_function: hg(0.9),
+                eta: 1.5,
+                thickness: 3.0,
+                spot_radius: 0.5,
+                ..base.clone()
+            },
+            0.99,
+        ),
+        (
+            Parameters { phase_function: PhaseFunction::Rayleigh, eta: 0.8, thickness: 0.02, ..base.clone() },
+            0.9,
+        ),
+        (
+            Parameters {
+                phase_function: PhaseFunction::Rayleigh,
+                incidence: Incidence::Cosine,
+                ..base.clone()
+            },
+            0.98,
+        ),
+        (Parameters { eta: 1.5, thickness: 0.5, incidence: Incidence::Cosine, ..base.clone() }, 0.9),
+        (Parameters { eta: 3.0, thickness: 20.0, incidence: tilted, ..base.clone() }, 0.999),
+        (Parameters { thickness: 1.0, incidence: tilted, spot_radius: 2.0, ..base.clone() }, 0.5),
     ]
 }
 
@@ -228,8 +252,8 @@ pub(crate) fn cases() -> Vec<(Parameters, f64)> {
 fn other_media_are_those_of_the_processors_walk() {
     let photons = power(200_000);
     for (parameters, albedo) in cases() {
-        let [one, other] =
-            [Some(&Twin as &dyn Device), None].map(|device| table(parameters, albedo, 3, photons, device));
+        let [one, other] = [Some(&Twin as &dyn Device), None]
+            .map(|device| table(parameters.clone(), albedo, 3, photons, device));
         let faces = if parameters.thickness.is_finite() { 2 } else { 1 };
         for side in [Side::Reflected, Side::Transmitted].into_iter().take(faces) {
             let sectors = (0..7).flat_map(|ring| (0..3).map(move |sector| Region::Sector { ring, sector }));
@@ -283,9 +307,18 @@ fn what_single_precision_does_not_do_is_refused() {
     let hg = |g| PhaseFunction::HenyeyGreenstein { g };
     let base = Parameters::default();
     for (parameters, radii, expected) in [
-        (Parameters { eta: 1.5, thickness: 0.001, ..base }, vec![1.0], "thickness of the slab is 0.001"),
-        (Parameters { phase_function: hg(-0.99999), ..base }, vec![1.0], "g is -0.99999"),
-        (base, vec![1.0, 1.0000001], "too close"),
+        (
+            Parameters { eta: 1.5, thickness: 0.001, ..base.clone() },
+            vec![1.0],
+            "thickness of the slab is 0.001",
+        ),
+        (Parameters { phase_function: hg(-0.99999), ..base.clone() }, vec![1.0], "g is -0.99999"),
+        (
+            Parameters { phase_function: PhaseFunction::Moments([0.1].into()), ..base.clone() },
+            vec![1.0],
+            "the phase function is moments, but a device walks with",
+        ),
+        (base.clone(), vec![1.0, 1.0000001], "too close"),
     ] {
         let problem = Problem::new(parameters).unwrap();
         let mut table = WhiteTable::new(problem, Layout::new(&radii, 1).unwrap(), 0.9).unwrap();
@@ -294,7 +327,7 @@ fn what_single_precision_does_not_do_is_refused() {
         assert_eq!(table.photons(), 0);
     }
     // Without a boundary no slab is too thin, and no light is lost
-    let table = table(Parameters { thickness: 1e-30, ..base }, 0.9, 1, 100, Some(&Twin));
+    let table = table(Parameters { thickness: 1e-30, ..base.clone() }, 0.9, 1, 100, Some(&Twin));
     let through = table.at_albedo(0.9).unwrap().total(Side::Transmitted);
     assert_eq!(through.value, 1.0);
 }

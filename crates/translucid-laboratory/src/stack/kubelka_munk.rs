@@ -50,7 +50,7 @@ fn over([above, below]: [f64; 2], passed: f64, ground: f64) -> f64 {
 /// Reflectance and transmittance of a layer without faces.
 fn two_fluxes(layer: &Layer) -> [f64; 2] {
     let k = 2.0 * layer.absorption;
-    let g = layer.deflection.moment(1);
+    let g = layer.phase_function.moment(1);
     let s = (0.75 * layer.scattering * (1.0 - g) - 0.25 * layer.absorption).max(0.0);
     let root = (k * (k + 2.0 * s)).sqrt();
     if layer.thickness.is_infinite() {

@@ -17,7 +17,7 @@ mod totals;
 #[cfg(not(target_family = "wasm"))]
 mod walk;
 
-pub use layer::{Deflection, Layer};
+pub use layer::Layer;
 #[cfg(not(target_family = "wasm"))]
 pub use profile::{DiffuseProfile, LayersProfile};
 pub use totals::Totals;

@@ -62,9 +62,9 @@ impl Scatter {
     /// With so many moments; what the next one says of forward scattering is a peak of no angle (W. J. Wiscombe 1977,
     /// *The delta-M method*).
     fn new(layer: &Layer, cosines: &[f64], weights: &[f64], moments: usize) -> Self {
-        let peak = layer.deflection.moment(moments);
+        let peak = layer.phase_function.moment(moments);
         let factors: Vec<f64> = (0..moments)
-            .map(|l| (2 * l + 1) as f64 * (layer.deflection.moment(l) - peak) / (1.0 - peak))
+            .map(|l| (2 * l + 1) as f64 * (layer.phase_function.moment(l) - peak) / (1.0 - peak))
             .collect();
         let polynomials: Vec<Vec<f64>> = cosines.iter().map(|mu| legendre(*mu, moments)).collect();
         let of_parity = |parity: usize| {

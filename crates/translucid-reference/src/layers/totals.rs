@@ -139,7 +139,7 @@ impl Layers {
     /// Greatest part of a layer's scattering that counts as not scattered.
     fn peak(&self, rays: &Rays) -> f64 {
         let scattering = self.layers.iter().filter(|layer| layer.scattering > 0.0);
-        let peak = |layer: &Layer| layer.deflection.moment(rays.moments(rays.count(layer.eta))).abs();
+        let peak = |layer: &Layer| layer.phase_function.moment(rays.moments(rays.count(layer.eta))).abs();
         scattering.map(peak).fold(0.0, f64::max)
     }
 

@@ -2,6 +2,7 @@
 
 mod at_albedo;
 pub(crate) mod boundary;
+pub(crate) mod deflection_table;
 mod device;
 pub(crate) mod edge_search;
 mod exit_buffer;
@@ -41,7 +42,7 @@ pub use photon_exit::Side;
 pub(crate) use photon_exit::{PhotonCounts, PhotonExit};
 pub use photon_ranges::PhotonRange;
 pub use pilot::PilotError;
-pub use problem::{Parameters, PhaseFunction, Problem};
+pub use problem::{Parameters, Problem};
 pub use run::Control;
 pub use run_until::{Forecast, Goal};
 pub use table_error::TableError;
@@ -49,6 +50,9 @@ pub use table_error::TableError;
 pub(crate) use trace::trace;
 use trace::trace_until;
 pub use white_table::WhiteTable;
+
+pub use crate::phase_function::PhaseFunction;
+pub use crate::phase_table::PhaseTable;
 
 #[cfg(test)]
 mod chi_square;

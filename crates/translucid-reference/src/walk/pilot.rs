@@ -6,7 +6,7 @@ use translucid_profile::{Configuration, ParameterError, half_space_single_scatte
 
 use super::layout::Layout;
 use super::photon_exit::Side;
-use super::problem::{PhaseFunction, Problem};
+use super::problem::Problem;
 use super::run::Control;
 use super::table_error::TableError;
 use super::white_table::WhiteTable;
@@ -49,7 +49,7 @@ impl Problem {
     /// Returns whether the exact solution knows it, too: isotropic scattering in a half space with η in [0.5, 3].
     pub fn is_solved(&self) -> bool {
         let parameters = self.parameters();
-        parameters.phase_function == PhaseFunction::ISOTROPIC
+        parameters.phase_function.is_isotropic()
             && parameters.thickness.is_infinite()
             && (0.5..=3.0).contains(&parameters.eta)
     }
@@ -80,7 +80,7 @@ impl Problem {
         loop {
             let highest = WhiteTable::HIGHEST_REFERENCE_ALBEDO;
             let reference = (1.0 - absorbed).min(highest);
-            let mut table = WhiteTable::new(*self, Layout::new(&[1.0], 1)?, reference)?;
+            let mut table = WhiteTable::new(self.clone(), Layout::new(&[1.0], 1)?, reference)?;
             table.run(seed, PHOTONS, control)?;
             if control.stop.load(Ordering::Relaxed) {
                 return Err(PilotError::Stopped);

@@ -2,37 +2,13 @@
 
 use translucid_profile::{ParameterError, require};
 
+use super::deflection_table::DeflectionLaw;
 use crate::Incidence;
-
-/// Distribution of the angle by which a collision deflects a photon.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PhaseFunction {
-    /// L. G. Henyey and J. L. Greenstein 1941, *Diffuse radiation in the galaxy*, equation 2, with the mean
-    /// cosine g in (−1, 1); g = 0 is isotropic.
-    HenyeyGreenstein {
-        /// Mean cosine.
-        g: f64,
-    },
-    /// J. W. Strutt (Lord Rayleigh) 1871, for unpolarized light: 3/(16π) (1 + cos²θ).
-    Rayleigh,
-}
-
-impl PhaseFunction {
-    /// Every direction alike.
-    pub const ISOTROPIC: Self = Self::HenyeyGreenstein { g: 0.0 };
-
-    /// Mean cosine g of the deflection.
-    pub fn mean_cosine(self) -> f64 {
-        match self {
-            Self::HenyeyGreenstein { g } => g,
-            Self::Rayleigh => 0.0,
-        }
-    }
-}
+use crate::phase_function::PhaseFunction;
 
 /// Parameters of a [`Problem`], to be filled in where they differ from the default: an index-matched half space
 /// of isotropic scatterers under a pencil beam.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     /// Phase function of collisions.
     pub phase_function: PhaseFunction,
@@ -59,19 +35,20 @@ impl Default for Parameters {
 }
 
 /// Geometry, boundary, scattering and illumination of a walk, known to be valid. The albedo is no part of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Problem(Parameters);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    parameters: Parameters,
+    law: DeflectionLaw,
+}
 
 impl Problem {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// A parameter is outside the range that [`Parameters`] states.
+    /// A parameter is outside the range that [`Parameters`] states, or moments make the phase function negative at some angle.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
-        let Parameters { phase_function, eta, thickness, incidence, spot_radius } = parameters;
-        if let PhaseFunction::HenyeyGreenstein { g } = phase_function {
-            require(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
-        }
+        parameters.phase_function.check_for_walk()?;
+        let Parameters { eta, thickness, incidence, spot_radius, .. } = parameters;
         require((0.1..=10.0).contains(&eta), "eta", eta, "in [0.1, 10]")?;
         require(thickness > 0.0, "thickness", thickness, "greater than 0")?;
         if let Incidence::Pencil { cos_theta } = incidence {
@@ -82,16 +59,22 @@ impl Problem {
         }
         let finite = spot_radius >= 0.0 && spot_radius.is_finite();
         require(finite, "spot_radius", spot_radius, "finite and at least 0")?;
-        Ok(Self(parameters))
+        let law = DeflectionLaw::new(&parameters.phase_function);
+        Ok(Self { parameters, law })
     }
 
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
-        &self.0
+        &self.parameters
+    }
+
+    /// How deflections are drawn.
+    pub(super) fn law(&self) -> &DeflectionLaw {
+        &self.law
     }
 
     /// Number of faces through which light can leave.
     pub(super) fn faces(&self) -> usize {
-        if self.0.thickness.is_finite() { 2 } else { 1 }
+        if self.parameters.thickness.is_finite() { 2 } else { 1 }
     }
 }

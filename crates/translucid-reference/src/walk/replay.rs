@@ -92,6 +92,7 @@ pub(super) fn replay(problem: &Problem, albedo: f64, seed: u64, index: u64) -> E
                 let cosine = 2.0 * ((2.0 * signed(polar)).asinh() / 3.0).sinh();
                 reflect_onto(u, around_axis(cosine, point))
             }
+            _ => unreachable!("laws without a formula have no twin of the same words"),
         };
     }
     unreachable!("the budget is finite")

@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 
-use super::{Parameters, PhaseFunction, PhotonCounts, PhotonExit, Problem, Side};
+use super::{Parameters, PhotonCounts, PhotonExit, Problem, Side};
 use crate::Incidence;
-use crate::ray::{Ray, across, henyey_greenstein};
+use crate::ray::{Ray, across, deflection};
 use crate::split_mix::SplitMix;
 
 /// Walks the photons of a range, as [`super::trace()`] does.
@@ -48,7 +48,7 @@ fn walk(parameters: &Parameters, albedo: f64, random: &mut SplitMix) -> (Option<
         if random.uniform() >= albedo {
             return (None, u64::from(order) + 1);
         }
-        let cosine = deflection(parameters.phase_function, random);
+        let cosine = deflection(&parameters.phase_function, random);
         ray.direction = across(ray.direction, cosine, TAU * random.uniform());
     }
     (None, u64::from(u32::MAX))
@@ -98,18 +98,5 @@ fn fly(parameters: &Parameters, ray: &mut Ray, random: &mut SplitMix) -> Option<
             return Some(side);
         }
         ray.direction[2] = -ray.direction[2];
-    }
-}
-
-/// Draws the cosine of a deflection.
-fn deflection(phase_function: PhaseFunction, random: &mut SplitMix) -> f64 {
-    match phase_function {
-        PhaseFunction::HenyeyGreenstein { g } => henyey_greenstein(g, random),
-        PhaseFunction::Rayleigh => loop {
-            let cosine = 2.0 * random.uniform() - 1.0;
-            if 2.0 * random.uniform() < 1.0 + cosine * cosine {
-                break cosine;
-            }
-        },
     }
 }

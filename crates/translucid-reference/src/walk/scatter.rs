@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
+use super::deflection_table::DeflectionTable;
 use super::lanes::{Floats, FusedMulAdd, Words, circle, complement, polynomial, signed, unit};
 
 /// Unit vectors.
@@ -122,33 +123,61 @@ impl Scatter for Rayleigh {
     }
 }
 
+/// Any other phase function, by a table.
+#[derive(Clone, Copy)]
+pub(crate) struct Tabulated<'a>(pub(crate) &'a DeflectionTable);
+
+impl Tabulated<'_> {
+    #[inline(always)]
+    pub(crate) fn deflection<S: Simd>(self, simd: S, word: Words<S>) -> Deflection<S> {
+        let versine = self.0.versine(simd, word);
+        (Floats::splat(simd, 1.0) - versine, (versine * (2.0 - versine)).sqrt())
+    }
+}
+
+impl Scatter for Tabulated<'_> {
+    const REMEMBERS: bool = true;
+
+    #[inline(always)]
+    fn scatter<S: Simd>(self, simd: S, before: Directions<S>, words: [Words<S>; 2]) -> Directions<S> {
+        turn(before, self.deflection(simd, words[0]), circle(simd, words[1]))
+    }
+}
+
 /// Any of them, for vectors that are not worth a kernel for each.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum AnyScatter {
+#[derive(Clone, Copy)]
+pub(crate) enum AnyScatter<'a> {
     Isotropic(Isotropic),
     HenyeyGreenstein(HenyeyGreenstein),
     Rayleigh(Rayleigh),
+    Tabulated(Tabulated<'a>),
 }
 
-impl From<Isotropic> for AnyScatter {
+impl From<Isotropic> for AnyScatter<'_> {
     fn from(isotropic: Isotropic) -> Self {
         Self::Isotropic(isotropic)
     }
 }
 
-impl From<HenyeyGreenstein> for AnyScatter {
+impl From<HenyeyGreenstein> for AnyScatter<'_> {
     fn from(henyey_greenstein: HenyeyGreenstein) -> Self {
         Self::HenyeyGreenstein(henyey_greenstein)
     }
 }
 
-impl From<Rayleigh> for AnyScatter {
+impl From<Rayleigh> for AnyScatter<'_> {
     fn from(rayleigh: Rayleigh) -> Self {
         Self::Rayleigh(rayleigh)
     }
 }
 
-impl Scatter for AnyScatter {
+impl<'a> From<Tabulated<'a>> for AnyScatter<'a> {
+    fn from(tabulated: Tabulated<'a>) -> Self {
+        Self::Tabulated(tabulated)
+    }
+}
+
+impl Scatter for AnyScatter<'_> {
     const REMEMBERS: bool = true;
 
     #[inline(always)]
@@ -157,6 +186,7 @@ impl Scatter for AnyScatter {
             Self::Isotropic(isotropic) => isotropic.scatter(simd, before, words),
             Self::HenyeyGreenstein(henyey_greenstein) => henyey_greenstein.scatter(simd, before, words),
             Self::Rayleigh(rayleigh) => rayleigh.scatter(simd, before, words),
+            Self::Tabulated(tabulated) => tabulated.scatter(simd, before, words),
         }
     }
 }
@@ -200,20 +230,24 @@ mod tests {
     use fearless_simd::{Level, dispatch};
 
     use super::super::PhaseFunction;
+    use super::super::deflection_table::DeflectionLaw;
     use super::*;
 
     /// Deflections for words that lie evenly: (cosine, sine) pairs.
-    fn deflections(phase_function: PhaseFunction, words: &[u32]) -> Vec<(f64, f64)> {
+    fn deflections(phase_function: &PhaseFunction, words: &[u32]) -> Vec<(f64, f64)> {
         #[inline(always)]
-        fn map<S: Simd>(simd: S, phase_function: PhaseFunction, words: &[u32]) -> Vec<(f64, f64)> {
-            let deflect = |word| match phase_function {
-                PhaseFunction::HenyeyGreenstein { g } => HenyeyGreenstein::new(g).deflection(simd, word),
-                PhaseFunction::Rayleigh => Rayleigh::deflection(simd, word),
+        fn map<S: Simd>(simd: S, law: &DeflectionLaw, words: &[u32]) -> Vec<(f64, f64)> {
+            let deflect = |word| match law {
+                DeflectionLaw::Isotropic => HenyeyGreenstein::new(0.0).deflection(simd, word),
+                DeflectionLaw::HenyeyGreenstein { g } => HenyeyGreenstein::new(*g).deflection(simd, word),
+                DeflectionLaw::Rayleigh => Rayleigh::deflection(simd, word),
+                DeflectionLaw::Table(table) => Tabulated(table).deflection(simd, word),
             };
             let pairs = words.chunks_exact(16).map(|chunk| deflect(Words::from_slice(simd, chunk)));
             pairs.flat_map(|(c, s)| (0..16).map(move |i| (f64::from(c[i]), f64::from(s[i])))).collect()
         }
-        dispatch!(Level::new(), simd => map(simd, phase_function, words))
+        let law = DeflectionLaw::new(phase_function);
+        dispatch!(Level::new(), simd => map(simd, &law, words))
     }
 
     /// The midpoints of 2ᵏ cells.
@@ -226,7 +260,7 @@ mod tests {
     #[test]
     fn henyey_greenstein_has_its_legendre_moments() {
         for g in ANISOTROPIES {
-            let found = deflections(PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
+            let found = deflections(&PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
             let n = found.len() as f64;
             // Of Legendre's polynomials P₁ and P₂ the means are g and g²; 1 − P₁ where g is near 1
             let first = found.iter().map(|(cosine, _)| cosine).sum::<f64>() / n;
@@ -242,7 +276,7 @@ mod tests {
         for g in [-0.9f64, -0.3, 0.1, 0.5, 0.9, 0.999] {
             let words = even_words(16);
             for (&word, (cosine, sine)) in
-                words.iter().zip(deflections(PhaseFunction::HenyeyGreenstein { g }, &words))
+                words.iter().zip(deflections(&PhaseFunction::HenyeyGreenstein { g }, &words))
             {
                 let xi = f64::from(word | 1) / 4294967296.0;
                 let ratio = (1.0 - g * g) / (1.0 - g.abs() + 2.0 * g.abs() * xi);
@@ -260,7 +294,7 @@ mod tests {
     #[test]
     fn henyey_greenstein_keeps_small_angles() {
         for g in [0.999, 0.999_999, -0.999_999] {
-            let found = deflections(PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
+            let found = deflections(&PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
             // Without the rare large angles, which even words miss: medians
             let mut sines: Vec<f64> = found.iter().map(|(_, sine)| *sine).collect();
             sines.sort_by(f64::total_cmp);
@@ -275,7 +309,7 @@ mod tests {
     #[test]
     fn rayleigh_inverts_its_cumulative_distribution() {
         let words = even_words(16);
-        for (&word, (cosine, sine)) in words.iter().zip(deflections(PhaseFunction::Rayleigh, &words)) {
+        for (&word, (cosine, sine)) in words.iter().zip(deflections(&PhaseFunction::Rayleigh, &words)) {
             let x = f64::from((word | 1).cast_signed()) / 2147483648.0;
             let exact = 2.0 * ((2.0 * x).asinh() / 3.0).sinh();
             assert!((cosine - exact).abs() < 3e-7, "{word:#x}: {cosine} {exact}");
@@ -289,9 +323,11 @@ mod tests {
             [0, 1, 2, 3, u32::MAX, u32::MAX - 1, 1 << 31, (1 << 31) - 1, 1 << 30, 7, 8, 9, 10, 11, 12, 13];
         let nearest = 1.0 - f64::EPSILON / 2.0;
         let gs = ANISOTROPIES.into_iter().chain([nearest, -nearest, f64::MIN_POSITIVE]);
-        let kinds = gs.map(|g| PhaseFunction::HenyeyGreenstein { g }).chain([PhaseFunction::Rayleigh]);
+        let two_term = PhaseFunction::TwoTerm { weight: 0.5, g1: 0.9999, g2: -0.9999 };
+        let kinds = gs.map(|g| PhaseFunction::HenyeyGreenstein { g });
+        let kinds = kinds.chain([PhaseFunction::Rayleigh, two_term]);
         for kind in kinds {
-            for (cosine, sine) in deflections(kind, &words) {
+            for (cosine, sine) in deflections(&kind, &words) {
                 assert!(cosine.abs() <= 1.0 && (0.0..=1.0).contains(&sine), "{kind:?}: {cosine} {sine}");
             }
         }

@@ -10,20 +10,22 @@ use super::npz::{Reader, Writer, expect_shape};
 use super::orders::{Cell, OrderBins};
 use super::photon_exit::PhotonCounts;
 use super::photon_ranges::{PhotonRange, PhotonRanges};
-use super::problem::{Parameters, PhaseFunction, Problem};
+use super::problem::{Parameters, Problem};
 use super::table_error::TableError;
 use super::white_table::WhiteTable;
 use crate::Incidence;
+use crate::phase_function::PhaseFunction;
 
 /// Version of the format, the only one that is written and read.
 const VERSION: u64 = 1;
 /// Length of the longest file that is read: two faces of most entries, and 16 MiB for all else.
 const LONGEST: u64 = 2 * 16 * Layout::MOST_ENTRIES as u64 + (16 << 20);
 /// Names of all members.
-const MEMBERS: [&str; 18] = [
+const MEMBERS: [&str; 19] = [
     "version",
     "machine",
     "phase_function",
+    "phase_numbers",
     "g",
     "eta",
     "thickness",
@@ -40,8 +42,6 @@ const MEMBERS: [&str; 18] = [
     "counts",
     "order_sums",
 ];
-const HENYEY_GREENSTEIN: &str = "henyey-greenstein";
-const RAYLEIGH: &str = "rayleigh";
 const PENCIL: &str = "pencil";
 const COSINE: &str = "cosine";
 const MACHINES: [Machine; 2] = [Machine::Processor, Machine::Device];
@@ -116,13 +116,10 @@ impl WhiteTable {
     fn write_members(&self, out: &mut Writer) -> io::Result<()> {
         // Write what was walked
         let Parameters { phase_function, eta, thickness, incidence, spot_radius } =
-            *self.problem().parameters();
-        let (phase_name, g) = match phase_function {
-            PhaseFunction::HenyeyGreenstein { g } => (HENYEY_GREENSTEIN, g),
-            PhaseFunction::Rayleigh => (RAYLEIGH, 0.0),
-        };
+            self.problem().parameters();
+        let g = if let PhaseFunction::HenyeyGreenstein { g } = phase_function { *g } else { 0.0 };
         let (incidence_name, cos_theta) = match incidence {
-            Incidence::Pencil { cos_theta } => (PENCIL, cos_theta),
+            Incidence::Pencil { cos_theta } => (PENCIL, *cos_theta),
             Incidence::Cosine => (COSINE, 1.0),
             Incidence::UniformCosine => (UNIFORM_COSINE, 1.0),
         };
@@ -131,13 +128,22 @@ impl WhiteTable {
         if self.machine() != Machine::Processor {
             out.text("machine", self.machine().name())?;
         }
-        out.text("phase_function", phase_name)?;
+        out.text("phase_function", phase_function.name())?;
+        let numbers = phase_function.numbers();
+        if !numbers.is_empty() {
+            out.words(
+                "phase_numbers",
+                "<f8",
+                &[numbers.len()],
+                numbers.iter().map(|number| number.to_bits()),
+            )?;
+        }
         out.number("g", g)?;
-        out.number("eta", eta)?;
-        out.number("thickness", thickness)?;
+        out.number("eta", *eta)?;
+        out.number("thickness", *thickness)?;
         out.text("entry", incidence_name)?;
         out.number("cos_theta", cos_theta)?;
-        out.number("spot_radius", spot_radius)?;
+        out.number("spot_radius", *spot_radius)?;
         out.number("reference_albedo", self.reference_albedo())?;
 
         // Write the bins
@@ -165,13 +171,7 @@ fn shape(problem: &Problem, layout: &Layout) -> [usize; 4] {
 
 fn read_problem(reader: &mut Reader) -> Result<Problem, TableError> {
     let g = reader.number("g")?;
-    let phase_function = match reader.text("phase_function", &[HENYEY_GREENSTEIN, RAYLEIGH])? {
-        RAYLEIGH if g != 0.0 => {
-            return Err(reader.error("g", format!("is {g}, but must be 0 with {RAYLEIGH}")));
-        }
-        RAYLEIGH => PhaseFunction::Rayleigh,
-        _ => PhaseFunction::HenyeyGreenstein { g },
-    };
+    let phase_function = read_phase_function(reader, g)?;
     let cos_theta = reader.number("cos_theta")?;
     let incidence = match reader.text("entry", &[PENCIL, COSINE, UNIFORM_COSINE])? {
         PENCIL => Incidence::Pencil { cos_theta },
@@ -187,11 +187,27 @@ fn read_problem(reader: &mut Reader) -> Result<Problem, TableError> {
         .map_err(|error| reader.error(error.parameter, error.to_string()))
 }
 
-fn read_layout(reader: &mut Reader) -> Result<Layout, TableError> {
-    let one_dimension = |shape: &[u64]| match shape {
+fn read_phase_function(reader: &mut Reader, g: f64) -> Result<PhaseFunction, TableError> {
+    let name = reader.text("phase_function", &PhaseFunction::KINDS)?;
+    if name != PhaseFunction::KINDS[0] && g != 0.0 {
+        return Err(reader.error("g", format!("is {g}, but must be 0 with {name}")));
+    }
+    let numbers = match reader.has("phase_numbers") {
+        true => reader.words("phase_numbers", "<f8", one_dimension)?,
+        false => Vec::new(),
+    };
+    let numbers: Vec<f64> = numbers.into_iter().map(f64::from_bits).collect();
+    PhaseFunction::from_numbers(name, g, &numbers).map_err(|problem| reader.error("phase_numbers", problem))
+}
+
+fn one_dimension(shape: &[u64]) -> Result<(), String> {
+    match shape {
         [_] => Ok(()),
         _ => Err(format!("has the shape {shape:?}, but must have one dimension")),
-    };
+    }
+}
+
+fn read_layout(reader: &mut Reader) -> Result<Layout, TableError> {
     let radii: Vec<_> =
         reader.words("radii", "<f8", one_dimension)?.into_iter().map(f64::from_bits).collect();
     let sectors = reader.count("sectors")?;

@@ -42,15 +42,16 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, mask32x16};
 
 use super::boundary::{Boundary, Ray};
+use super::deflection_table::DeflectionLaw;
 use super::exit_buffer::ExitBuffer;
 use super::instruction_sets::dispatched;
 use super::lanes::{Floats, FusedMulAdd, Words, exponential, is_narrow, unit};
 use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons, lanes_of};
-use super::problem::{PhaseFunction, Problem};
+use super::problem::Problem;
 use super::random::{Key, LANES, Stream};
-use super::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
+use super::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter, Tabulated};
 
 /// Walks the photons of a range; once `stop` is true, it launches no more and ends with the last of those under way.
 ///
@@ -98,18 +99,19 @@ pub(crate) fn trace_at_level(
         boundary: Boundary::new(problem),
         collisions_per_unit: mean_per_unit(reference_albedo),
     };
-    match problem.parameters().phase_function {
-        PhaseFunction::HenyeyGreenstein { g: 0.0 } => walk(level, Isotropic, setup, stop, photons, exits),
-        PhaseFunction::HenyeyGreenstein { g } => {
-            walk(level, HenyeyGreenstein::new(g), setup, stop, photons, exits)
+    match problem.law() {
+        DeflectionLaw::Isotropic => walk(level, Isotropic, setup, stop, photons, exits),
+        DeflectionLaw::HenyeyGreenstein { g } => {
+            walk(level, HenyeyGreenstein::new(*g), setup, stop, photons, exits)
         }
-        PhaseFunction::Rayleigh => walk(level, Rayleigh, setup, stop, photons, exits),
+        DeflectionLaw::Rayleigh => walk(level, Rayleigh, setup, stop, photons, exits),
+        DeflectionLaw::Table(table) => walk(level, Tabulated(table), setup, stop, photons, exits),
     }
 }
 
 /// Walks by one phase function. The kernel is compiled apart for each, for media with and without a reflecting
 /// boundary, and for each instruction set.
-fn walk<P: Scatter + Into<AnyScatter>>(
+fn walk<'a, P: Scatter + Into<AnyScatter<'a>>>(
     level: Level,
     scatter: P,
     setup: Setup,
@@ -137,7 +139,7 @@ fn walk<P: Scatter + Into<AnyScatter>>(
 #[inline(never)]
 fn walk_narrow<S: Simd, const MATCHED: bool>(
     simd: S,
-    scatter: AnyScatter,
+    scatter: AnyScatter<'_>,
     setup: Setup,
     stop: &AtomicBool,
     photons: Range<u64>,

@@ -14,15 +14,15 @@ fn henyey_greenstein(g: f64) -> PhaseFunction {
 fn cases() -> Vec<(Parameters, f64)> {
     let matched = Parameters::default();
     vec![
-        (matched, 0.95),
-        (Parameters { incidence: Incidence::Cosine, spot_radius: 0.7, ..matched }, 0.6),
-        (Parameters { phase_function: henyey_greenstein(0.8), eta: 1.4, ..matched }, 0.95),
+        (matched.clone(), 0.95),
+        (Parameters { incidence: Incidence::Cosine, spot_radius: 0.7, ..matched.clone() }, 0.6),
+        (Parameters { phase_function: henyey_greenstein(0.8), eta: 1.4, ..matched.clone() }, 0.95),
         (
             Parameters {
                 phase_function: henyey_greenstein(-0.6),
                 eta: 0.75,
                 incidence: Incidence::Cosine,
-                ..matched
+                ..matched.clone()
             },
             0.9,
         ),
@@ -32,20 +32,29 @@ fn cases() -> Vec<(Parameters, f64)> {
                 eta: 1.5,
                 thickness: 1.0,
                 incidence: Incidence::Pencil { cos_theta: 0.3 },
-                ..matched
+                ..matched.clone()
             },
             0.9,
         ),
-        (Parameters { phase_function: henyey_greenstein(0.95), thickness: 4.0, ..matched }, 0.99),
-        (Parameters { eta: 1.33, thickness: 0.05, incidence: Incidence::Cosine, ..matched }, 0.9),
+        (Parameters { phase_function: henyey_greenstein(0.95), thickness: 4.0, ..matched.clone() }, 0.99),
+        (Parameters { eta: 1.33, thickness: 0.05, incidence: Incidence::Cosine, ..matched.clone() }, 0.9),
         (
             Parameters {
                 incidence: Incidence::UniformCosine,
                 phase_function: henyey_greenstein(1e-9),
-                ..matched
+                ..matched.clone()
             },
             0.8,
         ),
+        (
+            Parameters {
+                phase_function: PhaseFunction::TwoTerm { weight: 0.85, g1: 0.9, g2: -0.3 },
+                eta: 1.4,
+                ..matched.clone()
+            },
+            0.97,
+        ),
+        (Parameters { phase_function: PhaseFunction::Moments([0.5, 0.3, 0.1].into()), ..matched }, 0.97),
     ]
 }
 
@@ -73,7 +82,7 @@ fn bins(exit: &PhotonExit) -> [usize; 4] {
 fn kernel_and_twin_agree() {
     let photons = 150_000;
     for (parameters, albedo) in cases() {
-        let problem = Problem::new(parameters).unwrap();
+        let problem = Problem::new(parameters.clone()).unwrap();
         let mut lanes = [[0u64; BINS + 1]; 4];
         let mut twin = [[0u64; BINS + 1]; 4];
         let counts = trace(&problem, albedo, 31, 0..photons, &mut |exits| {
@@ -117,7 +126,7 @@ fn single_precision_is_no_bias() {
         ),
         (Parameters { incidence: Incidence::Cosine, ..Parameters::default() }, 0.999),
     ] {
-        let problem = Problem::new(parameters).unwrap();
+        let problem = Problem::new(parameters.clone()).unwrap();
         let mut otherwise = 0u32;
         let (mut drift, mut distance, mut radius) = (0.0, 0.0, 0.0);
         for index in 0..photons {

@@ -184,7 +184,7 @@ fn collisions_absorb_at_the_reference_albedo() {
         Parameters { thickness: 0.5, ..Parameters::default() },
     ] {
         for albedo in [0.3, 0.9, 0.99999] {
-            let (_, counts) = orders::<1>(parameters, albedo, 104, 200_000);
+            let (_, counts) = orders::<1>(parameters.clone(), albedo, 104, 200_000);
             let collisions = counts.collisions as f64;
             let z = (counts.absorbed as f64 - (1.0 - albedo) * collisions)
                 / (albedo * (1.0 - albedo) * collisions).sqrt();

@@ -89,7 +89,7 @@ fn one_walk_serves_every_albedo() {
     let albedos = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9999];
     for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
         let parameters = Parameters { incidence: configuration.into(), ..Parameters::default() };
-        let table = walk(parameters, 0.9999, &RADII, 13, power(1_000_000));
+        let table = walk(parameters.clone(), 0.9999, &RADII, 13, power(1_000_000));
         for albedo in albedos {
             let at = table.at_albedo(albedo).unwrap();
             let exact = HalfSpace::new(albedo, parameters.incidence).unwrap();

@@ -13,6 +13,7 @@ mod exact_half_space;
 mod exact_profile;
 mod guided;
 mod guided_walk;
+mod phase_functions;
 mod plain_walk;
 mod solutions;
 mod statistics;

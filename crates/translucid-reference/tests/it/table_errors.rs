@@ -34,7 +34,7 @@ fn judge(
     let mut squares = vec![0.0; figures.len()];
     let mut sums = vec![0.0; figures.len()];
     for repeat in 0..runs {
-        let mut table = WhiteTable::new(problem, Layout::new(radii, 1).unwrap(), REFERENCE).unwrap();
+        let mut table = WhiteTable::new(problem.clone(), Layout::new(radii, 1).unwrap(), REFERENCE).unwrap();
         table.run(1000 + repeat, photons, &Control::default()).unwrap();
         let found = find(&table);
         assert_eq!(found.len(), figures.len());

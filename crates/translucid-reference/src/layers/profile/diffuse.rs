@@ -96,13 +96,13 @@ impl Layers {
         let unit = 1.0 / scattering().map(Layer::extinction).fold(0.0, f64::max);
         let k0 = self.slowest_decay(unit);
         let transport =
-            |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.deflection.moment(1));
+            |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.phase_function.moment(1));
         let low = (LEAST[0] * scattering().map(transport).fold(1.0, f64::min)).max(LEAST[1] * k0);
         let span = libm::log(MOST / low);
         let count = (span / STEP).ceil() as usize + 1;
         let k = |i: usize| low * libm::exp(span * i as f64 / (count - 1) as f64);
         let peak = |moments: usize| -> f64 {
-            scattering().map(|layer| layer.deflection.moment(moments).abs()).fold(0.0, f64::max)
+            scattering().map(|layer| layer.phase_function.moment(moments).abs()).fold(0.0, f64::max)
         };
         let [.., most] = MOMENTS;
         let moments = MOMENTS.into_iter().find(|moments| peak(*moments) < SMALL_PEAK).unwrap_or(most);

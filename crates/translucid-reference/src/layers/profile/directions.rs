@@ -79,7 +79,7 @@ struct Solution {
 fn solve(layers: &Layers, unit: f64, settings: &Settings, watch: &Watch) -> Option<Solution> {
     let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
     let transport =
-        |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.deflection.moment(1));
+        |layer: &Layer| unit * (layer.extinction() - layer.scattering * layer.phase_function.moment(1));
     let k0 = layers.slowest_decay(unit);
     let low = (LEAST[0] * scattering().map(transport).fold(1.0, f64::min)).max(LEAST[1] * k0);
     let span = libm::log(MOST / low);
@@ -172,7 +172,7 @@ impl Layers {
             )?;
         }
         for (i, layer) in scattering() {
-            let peak = layer.deflection.moment(MOMENTS[MOMENTS.len() - 1]).abs();
+            let peak = layer.phase_function.moment(MOMENTS[MOMENTS.len() - 1]).abs();
             let allowed = "at most 0.1 for a profile, which is g = 0.93";
             require(peak <= 0.1, "moment 32 of the phase function", peak, allowed, Some(i))?;
         }
@@ -189,8 +189,9 @@ const COMMON: f64 = 3e-4;
 /// The finer and the coarser solution's.
 fn settings(layers: &Layers, is_quick: bool) -> [Settings; 2] {
     let scattering = || layers.layers().iter().filter(|layer| layer.scattering > 0.0);
-    let peak =
-        |moments: usize| scattering().map(|layer| layer.deflection.moment(moments).abs()).fold(0.0, f64::max);
+    let peak = |moments: usize| {
+        scattering().map(|layer| layer.phase_function.moment(moments).abs()).fold(0.0, f64::max)
+    };
     let few = MOMENTS.iter().position(|moments| peak(*moments) < SMALL_PEAK).unwrap_or(MOMENTS.len() - 1);
     let coarser = |number: usize| if peak(MOMENTS[number]) == 0.0 { number } else { number.max(1) - 1 };
     let fine = Settings {

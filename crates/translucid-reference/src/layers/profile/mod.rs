@@ -179,7 +179,7 @@ impl Layers {
 
     /// Whether scatterers are isotropic, and no face reflects.
     fn is_plain(&self) -> bool {
-        let isotropic = |layer: &Layer| layer.scattering == 0.0 || layer.deflection.is_isotropic();
+        let isotropic = |layer: &Layer| layer.scattering == 0.0 || layer.phase_function.is_isotropic();
         self.layers.iter().all(isotropic) && squared_indices(self).len() == 1
     }
 
@@ -198,8 +198,9 @@ fn decay(layer: &Layer) -> f64 {
         return 0.0;
     }
     let extinction = layer.extinction();
-    let loss =
-        |l: usize| (2 * l + 1) as f64 * (1.0 - layer.scattering / extinction * layer.deflection.moment(l));
+    let loss = |l: usize| {
+        (2 * l + 1) as f64 * (1.0 - layer.scattering / extinction * layer.phase_function.moment(l))
+    };
     let element = |i: usize, j: usize| {
         if i.abs_diff(j) == 1 { i.max(j) as f64 / (loss(i) * loss(j)).sqrt() } else { 0.0 }
     };

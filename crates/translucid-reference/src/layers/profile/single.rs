@@ -9,17 +9,15 @@
 //!
 //! with the fluxes F of the beam against the leaving light and F' along with it, and the faces' reflectances F_j.
 
-use std::f64::consts::PI;
-
 use translucid_profile::fresnel_from_outside;
 use translucid_profile::quadrature::gauss_legendre;
 
-use super::super::{Deflection, Ground, Layer, Layers};
+use super::super::{Ground, Layer, Layers};
 use super::chain::{beam, etas};
 use super::depths::in_unit;
 use super::stack::without_peak;
 use crate::Estimate;
-use crate::walk::PhaseFunction;
+use crate::phase_function::PhaseFunction;
 
 /// Layers as the light sees them that leaves through one face.
 #[derive(Clone, Debug)]
@@ -37,7 +35,7 @@ struct Span {
     thickness: f64,
     extinction: f64,
     scattering: f64,
-    deflection: Deflection,
+    phase_function: PhaseFunction,
     /// The beam's flux against the leaving light at the near face, and along with it at the far face.
     beam: [f64; 2],
 }
@@ -61,7 +59,7 @@ impl Single {
             thickness: layer.thickness,
             extinction: extinction(layer),
             scattering: layer.scattering,
-            deflection: layer.deflection.clone(),
+            phase_function: layer.phase_function.clone(),
             beam: [down, up],
         };
         let spans: Vec<Span> = scaled.iter().zip(beams).map(span).collect();
@@ -186,7 +184,7 @@ impl Single {
                     if flux == 0.0 {
                         0.0
                     } else {
-                        flux * libm::exp(-span.extinction * way) * density(&span.deflection, cosine)
+                        flux * libm::exp(-span.extinction * way) * span.phase_function.eval(cosine)
                     }
                 };
                 let light = light(span.beam[0], x, -mu) + light(span.beam[1], span.thickness - x, mu);
@@ -199,25 +197,5 @@ impl Single {
             (before, eta_before) = (before + across, span.eta);
         }
         0.0
-    }
-}
-
-/// Phase function p of the cosine of deflection, per solid angle.
-fn density(deflection: &Deflection, cosine: f64) -> f64 {
-    match deflection {
-        Deflection::Named(PhaseFunction::HenyeyGreenstein { g }) => {
-            let square = 1.0 + g * g - 2.0 * g * cosine;
-            (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
-        }
-        Deflection::Named(PhaseFunction::Rayleigh) => 3.0 / (16.0 * PI) * (1.0 + cosine * cosine),
-        Deflection::Moments(moments) => {
-            let (mut before, mut now, mut sum) = (1.0, cosine, 1.0);
-            for (l, moment) in moments.iter().enumerate() {
-                let order = (l + 1) as f64;
-                sum += (2.0 * order + 1.0) * moment * now;
-                (before, now) = (now, ((2.0 * order + 1.0) * cosine * now - order * before) / (order + 1.0));
-            }
-            (sum / (4.0 * PI)).max(0.0)
-        }
     }
 }

@@ -417,7 +417,7 @@ impl Sheet {
         let cosines: Vec<f64> = (0..count).map(|ray| rays.cosine(ray, layer.eta)).collect();
         let weights: Vec<f64> = (0..count).map(|ray| rays.cosine_weight(ray, layer.eta)).collect();
         let moments = resolution.moments;
-        let peak = layer.deflection.moment(moments);
+        let peak = layer.phase_function.moment(moments);
         let scattering = layer.scattering * (1.0 - peak);
         let extinction = without_peak(&layer, moments);
         let ends = if scattering > 0.0 { panel_ends(&layer, extinction, k) } else { Vec::new() };
@@ -461,9 +461,9 @@ impl Sheet {
             }
         }
         let factors: Vec<f64> = (0..moments)
-            .map(|l| scattering * (2 * l + 1) as f64 * (layer.deflection.moment(l) - peak) / (1.0 - peak))
+            .map(|l| scattering * (2 * l + 1) as f64 * (layer.phase_function.moment(l) - peak) / (1.0 - peak))
             .collect();
-        let g = if moments > 1 { (layer.deflection.moment(1) - peak) / (1.0 - peak) } else { 0.0 };
+        let g = if moments > 1 { (layer.phase_function.moment(1) - peak) / (1.0 - peak) } else { 0.0 };
         let kernels = if scattering > 0.0 {
             kernels(&factors, &cosines, &weights, resolution.orders)
         } else {
@@ -565,7 +565,7 @@ const MOST_BEND: f64 = 4.0;
 /// Extinction coefficient of a layer whose moments beyond the first so many are a peak that counts as not scattered
 /// (W. J. Wiscombe 1977, *The delta-M method*).
 pub(super) fn without_peak(layer: &Layer, moments: usize) -> f64 {
-    layer.absorption + layer.scattering * (1.0 - layer.deflection.moment(moments))
+    layer.absorption + layer.scattering * (1.0 - layer.phase_function.moment(moments))
 }
 
 /// Ends of panels from face to face.
@@ -573,7 +573,7 @@ fn panel_ends(layer: &Layer, extinction: f64, k: f64) -> Vec<f64> {
     let scale = (1.0 / libm::hypot(extinction, k)).min(layer.thickness);
     let is_endless = layer.thickness.is_infinite();
     let middle = if is_endless {
-        let transport = layer.extinction() - layer.scattering * layer.deflection.moment(1);
+        let transport = layer.extinction() - layer.scattering * layer.phase_function.moment(1);
         let decay = libm::hypot((3.0 * layer.absorption * transport).sqrt(), k).min(extinction);
         (DEEPEST[0] / extinction).max(DEEPEST[1] / decay)
     } else {

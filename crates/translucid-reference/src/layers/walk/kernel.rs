@@ -33,14 +33,17 @@ use super::grid::{Places, Quantity};
 use super::many_weights::{Absorptions, ManyWeights};
 use super::medium::{Beyond, Cells, Face, Medium};
 use super::tally::Batch;
+use crate::walk::Side;
+use crate::walk::deflection_table::DeflectionLaw;
 use crate::walk::edge_search::EdgeSearch;
 use crate::walk::instruction_sets::dispatched;
 use crate::walk::lanes::{Floats, FusedMulAdd, Words, circle, complement, exponential, unit};
 use crate::walk::photon_source::PhotonSource;
 use crate::walk::photons::{BLOCK, Group, Photons, lanes_of};
 use crate::walk::random::{Key, LANES, Stream};
-use crate::walk::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
-use crate::walk::{PhaseFunction, Side};
+use crate::walk::scatter::{
+    AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter, Tabulated,
+};
 
 /// Weight below which a photon is ended by chance.
 const FAINT: f32 = 1e-3;
@@ -60,6 +63,8 @@ const GRAZING: f32 = 1e-6;
 /// Constants of a walk.
 pub(super) struct Setup {
     pub(super) media: Vec<Medium>,
+    /// How each of them deflects.
+    pub(super) laws: Vec<DeflectionLaw>,
     pub(super) cells: Cells,
     pub(super) places: Places,
     /// Cosines between angles.
@@ -127,15 +132,18 @@ impl<'a, S: Simd> Walk<'a, S> {
                 let sums = self.many.map_or(self.batch.sums, |many| many.sums);
                 return Some(Batch { sums, ..self.batch });
             }
-            match self.setup.media[layer].phase_function {
-                PhaseFunction::HenyeyGreenstein { g: 0.0 } if !NARROW => self.work(layer, Isotropic),
-                PhaseFunction::HenyeyGreenstein { g } if !NARROW => {
-                    self.work(layer, HenyeyGreenstein::new(g));
+            let setup = self.setup;
+            match &setup.laws[layer] {
+                DeflectionLaw::Isotropic if !NARROW => self.work(layer, Isotropic),
+                DeflectionLaw::Isotropic => self.work(layer, AnyScatter::from(HenyeyGreenstein::new(0.0))),
+                DeflectionLaw::HenyeyGreenstein { g } if !NARROW => {
+                    self.work(layer, HenyeyGreenstein::new(*g));
                 }
-                PhaseFunction::HenyeyGreenstein { g } => {
-                    self.work(layer, AnyScatter::from(HenyeyGreenstein::new(g)));
+                DeflectionLaw::HenyeyGreenstein { g } => {
+                    self.work(layer, AnyScatter::from(HenyeyGreenstein::new(*g)));
                 }
-                PhaseFunction::Rayleigh => self.work(layer, AnyScatter::from(Rayleigh)),
+                DeflectionLaw::Rayleigh => self.work(layer, AnyScatter::from(Rayleigh)),
+                DeflectionLaw::Table(table) => self.work(layer, AnyScatter::from(Tabulated(table))),
             }
         }
     }
@@ -508,14 +516,14 @@ impl<'a, S: Simd> Walk<'a, S> {
 /// Adds the first lanes to a stack.
 #[inline(always)]
 fn push<S: Simd>(stack: &mut Photons, photons: &Group<S>, count: usize) {
-    photons.store::<AnyScatter>(stack, stack.count);
+    photons.store::<AnyScatter<'_>>(stack, stack.count);
     stack.count += count;
 }
 
 /// Sixteen photons from a place on, with their directions.
 #[inline(always)]
 fn load<S: Simd>(simd: S, stack: &Photons, first: usize) -> Group<S> {
-    Group::load::<AnyScatter>(simd, stack, first)
+    Group::load::<AnyScatter<'_>>(simd, stack, first)
 }
 
 /// Distance from the axis.

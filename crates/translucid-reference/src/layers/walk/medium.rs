@@ -4,10 +4,10 @@ use fearless_simd::{Simd, mask32x16};
 use translucid_profile::{ParameterError, require};
 
 use super::grid::Grid;
-use crate::layers::{Deflection, Ground, Layers};
+use crate::layers::{Ground, Layers};
+use crate::walk::Side;
 use crate::walk::boundary::Interface;
 use crate::walk::lanes::Floats;
-use crate::walk::{PhaseFunction, Side};
 
 /// Free path in a layer without collisions, in units of the walk: beyond every face.
 const CLEAR: f32 = 1e30;
@@ -23,7 +23,6 @@ pub(super) struct Medium {
     pub(super) top: f32,
     /// Part of the light that a collision absorbs.
     pub(super) absorbed: f32,
-    pub(super) phase_function: PhaseFunction,
     pub(super) above: Face,
     pub(super) below: Face,
 }
@@ -74,7 +73,7 @@ impl Face {
 /// The layers as the kernel needs them, and the unit of length of the walk.
 ///
 /// # Errors
-/// A phase function is known by its moments alone, or lengths differ by more than single precision tells.
+/// Moments make a phase function negative at some angle, or lengths differ by more than single precision tells.
 pub(super) fn media(layers: &Layers) -> Result<(Vec<Medium>, f64), ParameterError> {
     let list = layers.layers();
     let strongest = list.iter().map(|layer| layer.extinction()).fold(0.0, f64::max);
@@ -82,10 +81,7 @@ pub(super) fn media(layers: &Layers) -> Result<(Vec<Medium>, f64), ParameterErro
     let mut depth = 0.0;
     let mut media = Vec::with_capacity(list.len());
     for (i, layer) in list.iter().enumerate() {
-        let Deflection::Named(phase_function) = layer.deflection else {
-            let allowed = "those of a phase function with a name, for a walk";
-            return Err(ParameterError::new("moments", layer.deflection.moment(1), allowed));
-        };
+        layer.phase_function.check_for_walk()?;
         let extinction = layer.extinction() * unit;
         let is_known = extinction == 0.0 || extinction > 1e-12;
         require(
@@ -119,7 +115,6 @@ pub(super) fn media(layers: &Layers) -> Result<(Vec<Medium>, f64), ParameterErro
             thickness: thickness.min(f64::from(CLEAR)) as f32,
             top: depth as f32,
             absorbed: if extinction > 0.0 { (layer.absorption * unit / extinction) as f32 } else { 0.0 },
-            phase_function,
             above,
             below,
         });

@@ -24,6 +24,7 @@ use self::many_weights::Absorptions;
 use self::medium::{Cells, Medium, media};
 use self::tally::Batch;
 use super::{Ground, Layer, Layers};
+use crate::walk::deflection_table::DeflectionLaw;
 use crate::walk::edge_search::EdgeSearch;
 use crate::walk::photon_source::PhotonSource;
 use crate::walk::random::Key;
@@ -55,8 +56,8 @@ impl Layers {
     /// ```
     ///
     /// # Errors
-    /// The grid is not one, the light cannot enter, a phase function is given by its moments alone, or mean free paths and
-    /// thicknesses differ by more than a factor of 1e12.
+    /// The grid is not one, the light cannot enter, moments make a phase function negative at some angle, or mean free paths
+    /// and thicknesses differ by more than a factor of 1e12.
     pub fn walk(
         &self,
         incidence: Incidence,
@@ -84,7 +85,7 @@ impl Layers {
         let specular = clear.unwrap_or_else(|| specular_reflectance(incidence, problem.parameters().eta));
         let first = usize::from(clear.is_some()).min(media.len());
         let is_clear = first == media.len();
-        let setup = Setup { first, ..Setup::new(media, unit, grid, &problem, seed) };
+        let setup = Setup { first, ..Setup::new(self, media, unit, grid, &problem, seed) };
         let mut tally = LayersTally::new(setup.places.clone(), specular);
         if is_clear {
             tally.add_all_transmitted(photons);
@@ -155,7 +156,8 @@ impl Layers {
             absorptions.iter().map(move |set| ((set[layer] * unit).min(f64::from(f32::MAX))) as f32)
         });
         let absorptions = Absorptions { sets, coefficients: coefficients.collect() };
-        let setup = Setup { absorptions: Some(absorptions), ..Setup::new(media, unit, grid, &problem, seed) };
+        let setup =
+            Setup { absorptions: Some(absorptions), ..Setup::new(self, media, unit, grid, &problem, seed) };
         let counts = setup.places.count() as f64 * sets as f64;
         let allowed = "at most 4000000: fewer absorptions, or a coarser grid";
         require(counts <= Grid::MOST_CELLS as f64, "counts of all absorptions", counts, allowed)?;
@@ -207,7 +209,7 @@ impl Layers {
 
 impl Setup {
     /// Photons that start in the first layer.
-    fn new(media: Vec<Medium>, unit: f64, grid: Grid, problem: &Problem, seed: u64) -> Self {
+    fn new(layers: &Layers, media: Vec<Medium>, unit: f64, grid: Grid, problem: &Problem, seed: u64) -> Self {
         Self {
             cells: Cells::new(&grid, unit),
             cosines: EdgeSearch::new(cosines(grid.na)),
@@ -215,6 +217,7 @@ impl Setup {
             key: Key::new(seed),
             source: PhotonSource::new(problem),
             first: 0,
+            laws: layers.layers.iter().map(|layer| DeflectionLaw::new(&layer.phase_function)).collect(),
             media,
             absorptions: None,
         }

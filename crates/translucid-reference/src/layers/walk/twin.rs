@@ -8,10 +8,9 @@ use std::f64::consts::TAU;
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 
 use crate::Incidence;
-use crate::layers::{Deflection, Ground, Layers};
-use crate::ray::{Ray, across, henyey_greenstein};
+use crate::layers::{Ground, Layers};
+use crate::ray::{Ray, across, deflection};
 use crate::split_mix::SplitMix;
-use crate::walk::PhaseFunction;
 
 /// End of a photon: where it is, and in which direction and layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,10 +60,7 @@ pub(super) fn photon(layers: &Layers, incidence: Incidence, random: &mut SplitMi
             if random.uniform() * medium.extinction() < medium.absorption {
                 return End::Absorbed(layer, radius(&ray), ray.position[2]);
             }
-            let cosine = match medium.deflection {
-                Deflection::Named(PhaseFunction::HenyeyGreenstein { g }) => henyey_greenstein(g, random),
-                _ => panic!("the twin knows one phase function"),
-            };
+            let cosine = deflection(&medium.phase_function, random);
             ray.direction = across(ray.direction, cosine, TAU * random.uniform());
             continue;
         }

@@ -2,9 +2,11 @@
 
 use std::fs;
 use std::io::Cursor;
+use std::sync::Arc;
 
 use super::super::run::Control;
 use super::*;
+use crate::phase_table::PhaseTable;
 
 fn small_table() -> WhiteTable {
     let parameters = Parameters { thickness: 0.7, eta: 1.0 + 1e-15, ..Parameters::default() };
@@ -72,17 +74,28 @@ fn table_comes_back_bit_by_bit() {
     let path = directory.path().join("table.npz");
     let base = Parameters::default();
     let hg = PhaseFunction::HenyeyGreenstein { g: -0.1 };
+    let moments = PhaseFunction::Moments([1.0 / 3.0, 0.1].into());
+    let two_term = PhaseFunction::TwoTerm { weight: 0.9, g1: 1.0 / 3.0, g2: -0.7 };
+    let rows = vec![[-1.0, 0.1], [1.0 / 3.0, 0.7], [1.0, 1e-20]];
+    let table = PhaseFunction::Table(Arc::new(PhaseTable::new(rows).unwrap()));
     let oblique = Incidence::Pencil { cos_theta: 1.0 / 3.0 };
     for (parameters, radii, sectors) in [
-        (base, vec![0.1, 0.2, 1e3], 1),
-        (Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 1e-3, ..base }, vec![], 1),
+        (base.clone(), vec![0.1, 0.2, 1e3], 1),
+        (Parameters { phase_function: moments, ..base.clone() }, vec![1.0], 1),
+        (Parameters { phase_function: two_term, ..base.clone() }, vec![1.0], 1),
+        (Parameters { phase_function: table, ..base.clone() }, vec![1.0], 1),
+        (Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 1e-3, ..base.clone() }, vec![], 1),
         (
-            Parameters { phase_function: hg, incidence: Incidence::Cosine, spot_radius: 0.1, ..base },
+            Parameters { phase_function: hg, incidence: Incidence::Cosine, spot_radius: 0.1, ..base.clone() },
             vec![1.0],
             5,
         ),
-        (Parameters { eta: 1.4, incidence: oblique, ..base }, vec![1e-15, 1e15], 720),
-        (Parameters { incidence: Incidence::UniformCosine, thickness: f64::MAX, ..base }, vec![1.0], 1),
+        (Parameters { eta: 1.4, incidence: oblique, ..base.clone() }, vec![1e-15, 1e15], 720),
+        (
+            Parameters { incidence: Incidence::UniformCosine, thickness: f64::MAX, ..base.clone() },
+            vec![1.0],
+            1,
+        ),
     ] {
         let bins = OrderBins::new(1.0).unwrap();
         let layout = Layout::with_order_bins(&radii, sectors, bins).unwrap();

@@ -5,17 +5,23 @@ use super::super::photon_exit::Side;
 use super::super::problem::Parameters;
 use super::*;
 use crate::Incidence;
+use crate::phase_function::PhaseFunction;
 
 fn problems() -> Vec<Problem> {
     let hg = |g| PhaseFunction::HenyeyGreenstein { g };
     let parameters = Parameters::default();
     [
-        parameters,
-        Parameters { eta: 1.4, incidence: Incidence::Cosine, spot_radius: 0.5, ..parameters },
-        Parameters { eta: 0.8, phase_function: hg(-0.5), ..parameters },
-        Parameters { thickness: 0.3, phase_function: hg(0.9), eta: 1.5, ..parameters },
-        Parameters { thickness: 1e-3, incidence: Incidence::UniformCosine, ..parameters },
-        Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 5.0, ..parameters },
+        parameters.clone(),
+        Parameters { eta: 1.4, incidence: Incidence::Cosine, spot_radius: 0.5, ..parameters.clone() },
+        Parameters { eta: 0.8, phase_function: hg(-0.5), ..parameters.clone() },
+        Parameters { thickness: 0.3, phase_function: hg(0.9), eta: 1.5, ..parameters.clone() },
+        Parameters { thickness: 1e-3, incidence: Incidence::UniformCosine, ..parameters.clone() },
+        Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 5.0, ..parameters.clone() },
+        Parameters {
+            phase_function: PhaseFunction::Moments([0.5, 0.2].into()),
+            thickness: 5.0,
+            ..parameters
+        },
     ]
     .map(|parameters| Problem::new(parameters).unwrap())
     .to_vec()
@@ -124,7 +130,7 @@ fn extreme_problems_end_in_numbers() {
                 for (incidence, spot_radius) in entries.into_iter().zip([0.0, 1e30, 0.0, 1e-30]) {
                     let phase_function = PhaseFunction::HenyeyGreenstein { g };
                     let parameters = Parameters { phase_function, eta, thickness, incidence, spot_radius };
-                    let Ok(problem) = Problem::new(parameters) else { continue };
+                    let Ok(problem) = Problem::new(parameters.clone()) else { continue };
                     for albedo in [f64::NAN, -1.0, 0.0, 0.9] {
                         let counts = trace(&problem, albedo, 1, 0..50, &mut |exits| {
                             for exit in exits {
@@ -165,16 +171,16 @@ fn instruction_sets_agree() {
 #[test]
 fn totals_are_exact() {
     let half_space = Parameters::default();
-    let cosine = Parameters { incidence: Incidence::Cosine, ..half_space };
+    let cosine = Parameters { incidence: Incidence::Cosine, ..half_space.clone() };
     for (parameters, albedo, exact) in [
-        (half_space, 0.5, 0.11522587770720),
-        (half_space, 0.9, 0.41494747913082),
-        (half_space, 0.99, 0.75272071716030),
+        (half_space.clone(), 0.5, 0.11522587770720),
+        (half_space.clone(), 0.9, 0.41494747913082),
+        (half_space.clone(), 0.99, 0.75272071716030),
         (cosine, 0.9, 0.47802448922824),
-        (Parameters { eta: 1.4, ..half_space }, 0.9, 0.25775574627),
+        (Parameters { eta: 1.4, ..half_space.clone() }, 0.9, 0.25775574627),
     ] {
         let photons = 200_000;
-        let counts = trace(&Problem::new(parameters).unwrap(), albedo, 2, 0..photons, &mut |_| {});
+        let counts = trace(&Problem::new(parameters.clone()).unwrap(), albedo, 2, 0..photons, &mut |_| {});
         let found = 1.0 - counts.absorbed as f64 / photons as f64;
         let z = (found - exact) / (exact * (1.0 - exact) / photons as f64).sqrt();
         assert!(z.abs() < 4.0, "{parameters:?} {albedo}: {found} {exact}, z = {z}");

@@ -8,6 +8,7 @@ use super::super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::super::problem::Parameters;
 use super::super::table_error::TableError;
 use super::{MACHINE, WhiteTable};
+use crate::phase_function::PhaseFunction;
 
 impl WhiteTable {
     /// Adds the photons of another table, exactly.
@@ -30,11 +31,18 @@ impl WhiteTable {
 
     /// Names and values of all that two walks may differ in.
     fn walk_in_words(&self) -> Vec<(&'static str, String)> {
-        let Parameters { phase_function, eta, thickness, incidence, spot_radius } =
-            *self.problem.parameters();
+        let Parameters { phase_function, eta, thickness, incidence, spot_radius } = self.problem.parameters();
         let (layout, bins) = (&self.layout, self.layout.order_bins());
-        let mut words = vec![
-            ("phase function", format!("{phase_function:?}")),
+        let numbers = phase_function.numbers();
+        let name = match phase_function {
+            PhaseFunction::Moments(_) | PhaseFunction::Table(_) => {
+                format!("{} of {} numbers", phase_function.name(), numbers.len())
+            }
+            named => format!("{named:?}"),
+        };
+        let mut words = vec![("phase function", name)];
+        words.extend(numbers.iter().map(|number| ("a number of the phase function", number.to_string())));
+        words.extend([
             ("entry", format!("{incidence:?}")),
             ("eta", eta.to_string()),
             ("thickness", thickness.to_string()),
@@ -44,7 +52,7 @@ impl WhiteTable {
             ("the number of radii", layout.radii().len().to_string()),
             ("the number of sectors", layout.sectors().to_string()),
             ("the number of bins of orders of scattering", bins.len().to_string()),
-        ];
+        ]);
         words.extend(layout.radii().iter().map(|radius| ("a radius of the layout", radius.to_string())));
         words.extend(bins.first_orders().map(|first| ("the first order of a bin", first.to_string())));
         words
@@ -156,25 +164,44 @@ mod tests {
         };
         let base = Parameters::default();
         let hg = PhaseFunction::HenyeyGreenstein { g: 0.5 };
+        let moments = |numbers: &[f64]| PhaseFunction::Moments(numbers.into());
+        let with = |numbers: &[f64]| {
+            make(Parameters { phase_function: moments(numbers), ..base.clone() }, &[1.0], 1, 0.1, 0.9)
+        };
+        let error = with(&[0.3, 0.1]).merge(&with(&[0.3, 0.11])).unwrap_err().to_string();
+        assert!(error.contains("a number of the phase function: 0.1 in one, 0.11 in the other"), "{error}");
         for (other, expected) in [
             (
-                make(Parameters { eta: 1.4, ..base }, &[1.0], 1, 0.1, 0.9),
+                make(Parameters { eta: 1.4, ..base.clone() }, &[1.0], 1, 0.1, 0.9),
                 "the tables differ in eta: 1 in one, 1.4 in the other",
             ),
-            (make(Parameters { thickness: 2.0, ..base }, &[1.0], 1, 0.1, 0.9), "thickness: inf in one, 2 in"),
             (
-                make(Parameters { spot_radius: 2.0, ..base }, &[1.0], 1, 0.1, 0.9),
+                make(Parameters { thickness: 2.0, ..base.clone() }, &[1.0], 1, 0.1, 0.9),
+                "thickness: inf in one, 2 in",
+            ),
+            (
+                make(Parameters { spot_radius: 2.0, ..base.clone() }, &[1.0], 1, 0.1, 0.9),
                 "spot radius: 0 in one, 2 in",
             ),
-            (make(Parameters { incidence: Incidence::Cosine, ..base }, &[1.0], 1, 0.1, 0.9), "entry: Pencil"),
-            (make(Parameters { phase_function: hg, ..base }, &[1.0], 1, 0.1, 0.9), "phase function: Henyey"),
-            (make(base, &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
-            (make(base, &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
-            (make(base, &[1.0], 2, 0.1, 0.9), "the number of sectors: 1 in one, 2 in"),
-            (make(base, &[1.0], 1, 0.2, 0.9), "the number of bins of orders of scattering: "),
-            (make(base, &[1.0], 1, 0.1, 0.91), "reference albedo: 0.9 in one, 0.91 in"),
+            (
+                make(Parameters { incidence: Incidence::Cosine, ..base.clone() }, &[1.0], 1, 0.1, 0.9),
+                "entry: Pencil",
+            ),
+            (
+                make(Parameters { phase_function: hg, ..base.clone() }, &[1.0], 1, 0.1, 0.9),
+                "phase function: Henyey",
+            ),
+            (
+                with(&[0.3]),
+                "phase function: HenyeyGreenstein { g: 0.0 } in one, moments of 1 numbers in the other",
+            ),
+            (make(base.clone(), &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
+            (make(base.clone(), &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
+            (make(base.clone(), &[1.0], 2, 0.1, 0.9), "the number of sectors: 1 in one, 2 in"),
+            (make(base.clone(), &[1.0], 1, 0.2, 0.9), "the number of bins of orders of scattering: "),
+            (make(base.clone(), &[1.0], 1, 0.1, 0.91), "reference albedo: 0.9 in one, 0.91 in"),
         ] {
-            let mut table = make(base, &[1.0], 1, 0.1, 0.9);
+            let mut table = make(base.clone(), &[1.0], 1, 0.1, 0.9);
             let error = table.merge(&other).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }
