@@ -70,7 +70,8 @@ fn example(folder: &Path, words: &str) {
         let program = Path::new(env!("CARGO_BIN_EXE_translucid")).with_file_name("examples").join(name);
         let mut command = std::process::Command::new(&program);
         let output = command.current_dir(folder).args(arguments.split_whitespace()).output();
-        let output = output.unwrap_or_else(|error| panic!("{}: {error}; .ci/gpu builds it", program.display()));
+        let output =
+            output.unwrap_or_else(|error| panic!("{}: {error}; .ci/gpu builds it", program.display()));
         assert!(output.status.success(), "{words}: {}", stderr(&output));
     }
 }

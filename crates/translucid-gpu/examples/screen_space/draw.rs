@@ -58,8 +58,8 @@ impl Canvas {
         taps: u32,
         turns: u32,
     ) -> Result<Vec<f32>, String> {
-        let uniform = [frame.view.clip_from_world.to_cols_array().as_slice(), &frame.view.light.to_array()];
-        let view = self.buffer(Usage::UNIFORM, cast_slice(&uniform.concat()));
+        let (matrix, light) = (frame.view.clip_from_world.to_cols_array(), frame.view.light.to_array());
+        let view = self.buffer(Usage::UNIFORM, cast_slice(&[&matrix[..], &light].concat()));
         let vertices = self.buffer(Usage::VERTEX, cast_slice(frame.vertices));
         let triangles = self.buffer(Usage::INDEX, cast_slice(frame.triangles));
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];

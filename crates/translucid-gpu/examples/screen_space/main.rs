@@ -16,7 +16,9 @@ mod draw;
 use std::path::Path;
 use std::process::ExitCode;
 
-use glam::{Mat4, Vec3};
+use glam::Vec3;
+use glam::camera::rh::proj::directx::{orthographic, perspective}; // Depths in [0, 1], as wgpu has them
+use glam::camera::rh::view::look_at_mat4;
 use translucid_export::{Export, Language, Material, Sizes, Subject, Target};
 use translucid_image::{DisplayTransform, Picture, PictureChannel, ToneMapping};
 use translucid_profile::{Configuration, Model, Parameterization};
@@ -28,8 +30,8 @@ use draw::{Canvas, Frame, View};
 const DISK: ([f64; 3], [f64; 3]) = ([0.9, 0.6, 0.4], [0.5, 0.35, 0.25]);
 /// Those of marble by Jensen and others (2001), in centimeters, and four times as long: the bust is small on the screen.
 const MARBLE: ([f64; 3], [f64; 3]) = ([0.931, 0.913, 0.894], [0.18, 0.15, 0.13]);
-/// Pixels along a side.
-const SIZE: u32 = 512;
+/// Pixels along a side of the plane's picture and of the bust's.
+const SIZES: [u32; 2] = [192, 512];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -50,16 +52,16 @@ fn main() -> ExitCode {
 /// The lit disk on a plane, as linear values.
 fn disk(path: &Path) -> Result<(), String> {
     // Half of the picture's width; the plane is larger, so that the light that leaves beyond the picture is gathered, too
-    let half = 0.5 * 0.05 * SIZE as f32;
+    let half = 0.5 * 0.05 * SIZES[0] as f32;
     let corner = |x: f32, y: f32| [2.0 * half * x, 2.0 * half * y, 0.0, 0.0, 0.0, 1.0];
     let vertices = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].concat();
-    let clip_from_world = Mat4::orthographic_rh(-half, half, -half, half, 0.1, 2.0)
-        * Mat4::look_at_rh(Vec3::Z, Vec3::ZERO, Vec3::Y);
+    let clip_from_world =
+        orthographic(-half, half, -half, half, 0.1, 2.0) * look_at_mat4(Vec3::Z, Vec3::ZERO, Vec3::Y);
     let view = View { clip_from_world, light: Vec3::Z.extend(1.0) };
-    let canvas = Canvas::open(SIZE)?;
+    let canvas = Canvas::open(SIZES[0])?;
     let frame = Frame { vertices: &vertices, triangles: &[0, 1, 2, 0, 2, 3], view };
-    let pixels = canvas.draw(&frame, &exported_disk(DISK, 512)?, 512, 4)?;
-    let picture = picture(SIZE, 1.0, pixels);
+    let pixels = canvas.draw(&frame, &exported_disk(DISK, 256)?, 256, 4)?;
+    let picture = picture([SIZES[0]; 2], 1.0, pixels);
     picture.save_exr(path).map_err(|error| error.to_string())?;
     println!("{} drew {}", canvas.name(), path.display());
     let words = |numbers: [f64; 3]| numbers.map(|number| number.to_string()).join(",");
@@ -85,28 +87,28 @@ fn bust(path: &Path) -> Result<(), String> {
         .collect();
     let triangles: Vec<u32> = mesh.triangles.iter().flat_map(|triangle| triangle.to_vec()).collect();
     let eye = middle + height * Vec3::new(-0.5, 0.15, 2.1);
-    let clip_from_world = Mat4::perspective_rh(0.52, 1.0, 0.1 * height, 10.0 * height)
-        * Mat4::look_at_rh(eye, middle, Vec3::Y);
+    let clip_from_world =
+        perspective(0.52, 1.0, 0.1 * height, 10.0 * height) * look_at_mat4(eye, middle, Vec3::Y);
     let view = View { clip_from_world, light: Vec3::new(0.75, 0.55, 0.1).normalize().extend(0.0) };
-    let canvas = Canvas::open(SIZE)?;
+    let canvas = Canvas::open(SIZES[1])?;
     let frame = Frame { vertices: &vertices, triangles: &triangles, view };
     let opaque = (MARBLE.0, [1e-4; 3]);
     let [left, right] = [opaque, MARBLE].map(|material| -> Result<Vec<f32>, String> {
         canvas.draw(&frame, &exported_disk(material, 32)?, 32, 16)
     });
     let (left, right) = (left?, right?);
-    let row = 4 * SIZE as usize;
+    let row = 4 * SIZES[1] as usize;
     let both: Vec<f32> =
         left.chunks(row).zip(right.chunks(row)).flat_map(|(left, right)| [left, right].concat()).collect();
     // Radiosity over π is radiance
-    let picture = picture(2 * SIZE, std::f64::consts::FRAC_1_PI, both);
+    let picture = picture([2 * SIZES[1], SIZES[1]], std::f64::consts::FRAC_1_PI, both);
     let display = DisplayTransform { exposure: 0.5, tone_mapping: ToneMapping::Neutral };
     picture.save_png(path, display).map_err(|error| error.to_string())?;
     println!("{} drew {}: opaque, and with the pass", canvas.name(), path.display());
     Ok(())
 }
 
-/// The text of `translucid export --to wgsl --what disk --model exact`.
+/// The text of `translucid export --to wgsl --what disk --model normalized-diffusion-refined`.
 fn exported_disk((surface_albedo, mfp): ([f64; 3], [f64; 3]), taps: usize) -> Result<String, String> {
     let export = Export {
         target: Target::Text(Language::Wgsl),
@@ -124,7 +126,7 @@ fn exported_disk((surface_albedo, mfp): ([f64; 3], [f64; 3]), taps: usize) -> Re
 }
 
 /// Pixels of red, green, blue and coverage as a picture.
-fn picture(width: u32, factor: f64, pixels: Vec<f32>) -> Picture<'static> {
+fn picture(size: [u32; 2], factor: f64, pixels: Vec<f32>) -> Picture<'static> {
     let channels = ["R", "G", "B", "A"].map(PictureChannel::single).to_vec();
     let fill_row = move |y: u32, values: &mut [f64]| {
         let row = &pixels[y as usize * values.len()..];
@@ -132,5 +134,5 @@ fn picture(width: u32, factor: f64, pixels: Vec<f32>) -> Picture<'static> {
             *value = f64::from(*pixel) * if i % 4 == 3 { 1.0 } else { factor };
         }
     };
-    Picture::new([width, SIZE], channels, fill_row)
+    Picture::new(size, channels, fill_row)
 }

@@ -39,17 +39,17 @@ pub(crate) fn charts() -> Result<Vec<Chart>, String> {
     Ok(vec![
         edge.with_caption(
             "Light on the dark side over that far on the lit side, for diffuse light. \
-             The pairs of curves are A = 0.5, 0.8 and 0.95, from the lowest to the highest. \
+             Of each color A is 0.5, 0.8 and 0.95, from the lowest curve to the highest. \
              Burley's profile of 2015 leaves the dark side too dark where A is high.",
         ),
         disk.with_caption(
             "Light in the center over that of a very large disk, for diffuse light. \
-             The pairs of curves are A = 0.5, 0.8 and 0.95, from the highest to the lowest. \
+             Of each color A is 0.5, 0.8 and 0.95, from the highest curve to the lowest. \
              The profile of 2015 keeps small bright features too bright where A is high.",
         ),
         line.with_caption(
             "Light in the middle over that of a very wide band, for diffuse light. \
-             The pairs of curves are A = 0.5, 0.8 and 0.95, from the highest to the lowest.",
+             Of each color A is 0.5, 0.8 and 0.95, from the highest curve to the lowest.",
         ),
     ])
 }
