@@ -8,7 +8,7 @@ use translucid_laboratory::figures::Report;
 use translucid_profile::Model;
 
 use super::references::References;
-use super::{charts, tables};
+use super::{charts, lit_shapes, tables};
 
 /// Photons that walk for the figures, in each configuration: as many as leave error bars that one can see.
 const PHOTONS: u64 = 1_000_000;
@@ -59,6 +59,7 @@ impl Generated {
         generated.add("tables/samples", tables::errors_of_samples(&references)?);
         generated.add_chart(&charts::samples(&references)?);
         generated.add_chart(&charts::noise(noise_page)?);
+        lit_shapes::charts()?.iter().for_each(|chart| generated.add_chart(chart));
         generated.add("how-good/errors-searchlight", tables::all_errors(contenders, errors));
         generated.add("how-good/claims", tables::claims(&comparison.claims));
         generated.add("how-good/scaling", tables::scaling(&comparison.scaling));

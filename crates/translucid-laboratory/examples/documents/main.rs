@@ -14,6 +14,7 @@
 mod blocks;
 mod charts;
 mod generated;
+mod lit_shapes;
 mod pages;
 mod references;
 mod tables;

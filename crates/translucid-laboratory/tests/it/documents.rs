@@ -8,6 +8,8 @@ mod blocks;
 mod charts;
 #[path = "../../examples/documents/generated.rs"]
 pub(crate) mod generated;
+#[path = "../../examples/documents/lit_shapes.rs"]
+mod lit_shapes;
 #[path = "../../examples/documents/pages.rs"]
 #[allow(dead_code, reason = "the example writes files, this looks at them")]
 mod pages;

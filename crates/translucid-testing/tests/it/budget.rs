@@ -10,11 +10,7 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 21] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-<<<<<<< HEAD
     ("translucid-cli", 9700),
-=======
-    ("translucid-cli", 9640),
->>>>>>> h/phase
     ("translucid-display", 100),
     ("translucid-export", 2810),
     ("translucid-files", 200),
@@ -24,15 +20,9 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-laboratory", 6960),
     ("translucid-load", 12800),
     ("translucid-measure", 4150),
-<<<<<<< HEAD
     ("translucid-profile", 8560),
-    ("translucid-python", 5220),
-    ("translucid-reference", 10580),
-=======
-    ("translucid-profile", 8260),
     ("translucid-python", 5240),
     ("translucid-reference", 10970),
->>>>>>> h/phase
     ("translucid-render", 18720),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2140),
