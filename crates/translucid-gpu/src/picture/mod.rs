@@ -4,15 +4,21 @@
 //! surfaces, flights of walks, light samples. Nothing is followed to its end in one call, and a sample is a function of seed,
 //! pixel and number alone, whichever slot it had.
 
+#[cfg(test)]
+mod broken_tests;
 mod camera;
 #[cfg(test)]
 mod evaluate;
 #[cfg(test)]
 mod light_tests;
 #[cfg(test)]
+mod profile_tests;
+#[cfg(test)]
 mod surface_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod walk_tests;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,6 +37,8 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/camera.wgsl"),
     include_str!("shaders/surface_step.wgsl"),
     include_str!("shaders/walk_step.wgsl"),
+    include_str!("shaders/probe_step.wgsl"),
+    include_str!("shaders/profile.wgsl"),
     include_str!("shaders/shadow.wgsl"),
     include_str!("shaders/state.wgsl"),
     include_str!("shaders/scene.wgsl"),
@@ -38,9 +46,14 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/point.wgsl"),
     include_str!("shaders/ray.wgsl"),
     include_str!("shaders/sampler.wgsl"),
+    include_str!("../shaders/pcg.wgsl"),
     include_str!("shaders/surface.wgsl"),
     include_str!("shaders/interface.wgsl"),
     include_str!("shaders/facets.wgsl"),
+];
+
+/// The shaders of lights, which know nothing of paths.
+const LIGHT_SHADERS: [&str; 13] = [
     include_str!("shaders/light.wgsl"),
     include_str!("shaders/light_selection.wgsl"),
     include_str!("shaders/light_rectangle.wgsl"),
@@ -56,11 +69,17 @@ const SHADERS: &[&str] = &[
     include_str!("shaders/light_tables.wgsl"),
 ];
 
+/// All shaders, and the formulas of oblique light, which exports have, too.
+fn text() -> String {
+    SHADERS.concat() + &LIGHT_SHADERS.concat() + &translucid_export::oblique_terms_of_any_boundary()
+}
+
 /// The kernels of a round, and how many slots one invocation each they need.
-const KERNELS: [(&str, u32); 8] = [
+const KERNELS: [(&str, u32); 9] = [
     ("begin_samples", 1),
     ("trace", 2),
     ("end_flights", 1),
+    ("weigh_probes", 1),
     ("look", 2),
     ("pass_on", 1),
     ("meet_surfaces", 1),
@@ -68,14 +87,15 @@ const KERNELS: [(&str, u32); 8] = [
     ("scatter_paths", 1),
 ];
 /// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
-const SLOT_BYTES: u64 = 1008;
+const SLOT_BYTES: u64 = 1088;
 /// Counters before the lists of slots, those of the lists, and the lists.
-const COUNTERS: u64 = 9;
-const LIST_COUNTERS: Range<u64> = 2..9;
+const COUNTERS: u64 = 10;
+const LIST_COUNTERS: Range<u64> = 2..10;
 /// Words of a sample.
 const SAMPLE_WORDS: usize = 20;
-/// Paths under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
-const SLOTS: (u32, u32) = (1 << 17, 1 << 12);
+/// Paths under way at a time: nearly as many as the threads of the largest processors of 2025, whose states are within
+/// 128 MiB; and on a central processor.
+const SLOTS: (u32, u32) = (15 << 13, 1 << 12);
 /// Rounds between two looks at the counters, at most.
 const MOST_ROUNDS: u32 = 256;
 
@@ -97,7 +117,7 @@ impl Tracer {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
+            source: wgpu::ShaderSource::Wgsl(text().into()),
         });
         let layout = bindings(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

@@ -176,7 +176,11 @@ fn scatter_at_surface(
     }
     if (chosen.kind == BELOW) {
         (*path).throughput *= chosen.weight;
-        begin_walk(slot, path, met, normal);
+        if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
+            begin_probes(slot, path, met);
+        } else {
+            begin_walk(slot, path, met, normal);
+        }
         return;
     }
     if (chosen.kind == NOTHING || is_spent) {

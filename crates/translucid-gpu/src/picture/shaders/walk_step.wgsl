@@ -339,11 +339,13 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
 fn scatter_at_matte_end(
     path: ptr<function, Path>,
     walk: ptr<function, Walk>,
+    probe: ptr<function, Probe>,
     met: ptr<function, Met>,
     light: ptr<function, Light>,
     shadow: ptr<function, Shadow>,
 ) {
     (*path).work = ENDED;
+    let is_probed = u32(tables[material_at((*walk).material) + BELOW_KIND]) == PROFILE_BELOW;
     let normal = (*met).normal * (*walk).side;
     let geometric = (*met).geometric * (*walk).side;
     let is_soft = head(CAUSTICS) == 0u;
@@ -356,7 +358,10 @@ fn scatter_at_matte_end(
         if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || k == 0u && (*light).kind == NO_LIGHT) {
             continue;
         }
-        let weight = entry_weight((*met).surface, min(cosine, 1.0));
+        var weight = entry_weight((*met).surface, min(cosine, 1.0));
+        if (is_probed) {
+            weight *= directional_weight(probe, met, normal, kernel_of((*walk).material), direction);
+        }
         let density = cosine * INVERSE_PI;
         if (k == 0u) {
             set_light(path, shadow, weighed(light, weight_of(light, density)) * weight * density * (*path).throughput);
