@@ -1,5 +1,7 @@
 //! Scenes with one broken value: refused by name, or the processor's light; never a NaN.
 
+#![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
+
 use std::env;
 
 use glam::Vec3;

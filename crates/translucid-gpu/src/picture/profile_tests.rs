@@ -57,7 +57,13 @@ fn inputs(albedos: &[f32]) -> Vec<[f32; 4]> {
     (0..2000).map(input).collect()
 }
 
-fn on_device(table: &AlbedoTableF32, shaders: &[&str], body: &str, width: usize, inputs: &[[f32; 4]]) -> Vec<f32> {
+fn on_device(
+    table: &AlbedoTableF32,
+    shaders: &[&str],
+    body: &str,
+    width: usize,
+    inputs: &[[f32; 4]],
+) -> Vec<f32> {
     let mut tables = vec![0.0; BEFORE_ROWS];
     tables.push(table.surface_albedos().len() as f32);
     tables.extend(table.words(1e-3));
@@ -82,8 +88,13 @@ fn tables_are_those_of_the_processor() {
             let longest = view.truncation_radius(1e-3);
             let expected = [view.pdf(r), view.cdf(r), longest, view.sample_within(u, longest)];
             for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
-                // Where the mixture of two rows is drawn from, a number may fall to the other row
-                let allowed = if k == 0 { 2e-4 * expected + 1e-6 / length } else { 2e-4 * expected };
+                // The share of a row's neighbor is that of surface albedos rounded to single precision: next to a row, where it
+                // is small, numbers that fall to the neighbor are off by as much more
+                let allowed = match k {
+                    0 => 2e-4 * expected + 1e-6 / length,
+                    3 => 2e-3 * expected,
+                    _ => 2e-4 * expected,
+                };
                 assert!(
                     (found - expected).abs() <= allowed,
                     "{model:?}, A = {albedo}, length {length}, r = {r}, u = {u}, value {k}: {found}, not {expected}"
@@ -114,7 +125,8 @@ fn tables_are_the_profiles_of_exports() {
         outputs[o + 2] = burley_pdf(inputs[i + 2], d); outputs[o + 3] = burley_cdf(inputs[i + 2], d);";
     let refined = "let terms = refined_terms(inputs[i], inputs[i + 1]);
         outputs[o + 2] = refined_pdf(terms, inputs[i + 2]); outputs[o + 3] = refined_cdf(terms, inputs[i + 2]);";
-    for (model, body) in [(Model::NormalizedDiffusion, burley), (Model::NormalizedDiffusionRefined, refined)] {
+    for (model, body) in [(Model::NormalizedDiffusion, burley), (Model::NormalizedDiffusionRefined, refined)]
+    {
         let albedos = [0.2, 0.5, 0.8, 0.95];
         let table = table(model, &albedos);
         let inputs = inputs(&albedos.map(|albedo| albedo as f32));
@@ -147,7 +159,12 @@ pub(super) fn profile(model: Model) -> Material {
 
 /// A plane under a sky of radiance 1.
 fn plane(material: Material) -> Scene {
-    let corners = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(-1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -1.0)];
+    let corners = [
+        Vec3::new(-1.0, 0.0, -1.0),
+        Vec3::new(-1.0, 0.0, 1.0),
+        Vec3::new(1.0, 0.0, 1.0),
+        Vec3::new(1.0, 0.0, -1.0),
+    ];
     let mesh = Mesh {
         positions: corners.map(|corner| 40.0 * corner).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -176,7 +193,10 @@ fn both(scene: &Scene, samples: u32) -> [Vec<Vec3>; 2] {
 /// Share of the pixels that differ by more than a relative bound.
 fn differing(both: &[Vec<Vec3>; 2], bound: f32) -> f32 {
     let [ours, theirs] = both;
-    let is_other = |(a, b): &(&Vec3, &Vec3)| !((**a - **b).abs().max_element() <= bound * a.max_element() + 1e-6);
+    let is_other = |(a, b): &(&Vec3, &Vec3)| {
+        let off = (**a - **b).abs().max_element();
+        off.is_nan() || off > bound * a.max_element() + 1e-6
+    };
     ours.iter().zip(theirs).filter(is_other).count() as f32 / ours.len() as f32
 }
 
@@ -245,9 +265,9 @@ fn bodies_are_those_of_the_processor() {
         });
         scene.integrator.subsurface_sharing = false;
         let found = both(&scene, 8);
-        assert!(differing(&found, 1e-3) <= 0.1, "{name}: {} differ", differing(&found, 1e-3));
+        assert!(differing(&found, 1e-4) <= 0.03, "{name}: {} differ", differing(&found, 1e-4));
         let [ours, theirs] = found.map(|pixels| pixels.iter().sum::<Vec3>());
-        assert!((ours - theirs).abs().max_element() <= 0.01 * ours.max_element(), "{name}: {ours} {theirs}");
+        assert!((ours - theirs).abs().max_element() <= 3e-3 * ours.max_element(), "{name}: {ours} {theirs}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! Walks on a device: bodies against photons that know no ray of a renderer, and regions of pictures against the processor's.
 
+#![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
+
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -7,7 +9,8 @@ use translucid_profile::{AlbedoInversion, Configuration};
 use translucid_reference::body::{Body, Interior, Lighting, Shape};
 use translucid_render::FilmLayer;
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Material, Mesh, Object, Projection, ScalarInput, Scene, WalkSurface,
+    Camera, ColorInput, Environment, Film, Material, Mesh, Object, Projection, ScalarInput, Scene,
+    WalkSurface,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 use translucid_testing::power;
@@ -101,7 +104,11 @@ fn bodies_in_even_light_are_those_of_photons() {
             let error = squares.sqrt() / area;
             let allowed = ERRORS * error.hypot(truth.error) + 1e-3 * truth.value;
             println!("{name} {c}: {found} ± {error}, photons {} ± {}", truth.value, truth.error);
-            assert!((found - truth.value).abs() <= allowed, "{name}, channel {c}: {found}, not {}", truth.value);
+            assert!(
+                (found - truth.value).abs() <= allowed,
+                "{name}, channel {c}: {found}, not {}",
+                truth.value
+            );
         }
     }
 }

@@ -99,7 +99,8 @@ impl RadialTable<f32> {
     pub(crate) fn words(&self) -> Vec<f32> {
         let Self { first_octave, octaves, cells, tail, .. } = self;
         let counts = [*first_octave as usize, octaves.len(), cells.len()].map(|count| count as f32);
-        let octaves = octaves.iter().flat_map(|octave| [octave.shift as f32, octave.base.cast_signed() as f32]);
+        let octaves =
+            octaves.iter().flat_map(|octave| [octave.shift as f32, octave.base.cast_signed() as f32]);
         let cells = cells.iter().flat_map(CellF32::words);
         counts.into_iter().chain([tail.start, tail.share, tail.rate]).chain(octaves).chain(cells).collect()
     }

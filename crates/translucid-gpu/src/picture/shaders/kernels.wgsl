@@ -237,7 +237,7 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
         var path = slots[slot].path;
         u = walk_numbers(&path, 2u * slots[slot].walk.events - 1u);
     } else {
-        let number = select(SURFACE_SETS + WALK_SETS, 1u, work == AT_SURFACE);
+        let number = select(surface_sets(slots[slot].path.flags) + WALK_SETS, 1u, work == AT_SURFACE);
         u = stratified(slots[slot].path.sampler, slots[slot].path.vertex, number);
     }
     var light = slots[slot].light;

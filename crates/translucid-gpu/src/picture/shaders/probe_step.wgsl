@@ -142,7 +142,7 @@ fn next_probe(
             (*probe).goal = (*probe).pick * all;
             axis = (*probe).first_axis;
         }
-        let u = stratified((*path).sampler, (*path).vertex, SURFACE_SETS + axis);
+        let u = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + axis);
         (*probe).pick = u.w;
         if (u.x < axes[axis]) {
             var place = u.x / axes[axis];

@@ -25,6 +25,7 @@ const OF_SUBSURFACE = 2u;
 const HAS_MET = 1u;    // a surface that the camera sees
 const SOFT = 2u;       // it has left a matte surface, and there are no caustics
 const IS_FIRST = 4u;   // the surface at hand is the first that the camera sees
+const UNLIT = 8u;      // the surface at hand has taken no numbers for a light sample
 
 // Stages of a light sample.
 const NO_SHADOW = 0u;
