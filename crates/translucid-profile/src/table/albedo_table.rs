@@ -171,7 +171,7 @@ impl From<&AlbedoTable> for AlbedoTableF32 {
 impl AlbedoTableF32 {
     /// The table for a shader: of each row the surface albedo, the reciprocal distance to the next one, four coefficients of
     /// the median radius, the median and the radius beyond which the share `tail` is in the row's unit, and the place of its
-    /// [table](RadialTable::words); then these tables.
+    /// table; then these tables.
     #[doc(hidden)]
     pub fn words(&self, tail: f32) -> Vec<f32> {
         let mut rows = Vec::new();
