@@ -82,28 +82,22 @@ fn a_slab_in_even_light_is_that_of_photons() {
         triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
         ..Mesh::default()
     };
-    {
-        let (name, mesh, light) = ("slab", slab, Lighting::Distant);
-        let scene = body(mesh, 2.0);
-        let of = |what, seed| layer(&scene, seed, power(256), what, Some(tracer()));
-        let area: f64 = [1, 2].map(|seed| of(FilmLayer::Alpha, seed).iter().sum::<f64>()).iter().sum();
-        let lights = [1, 2].map(|seed| of(FilmLayer::Subsurface, seed));
-        for c in 0..3 {
-            let per_length = 1.0 / f64::from(LENGTH[c]);
-            let shape = Shape::Slab { thickness: 0.6 * per_length };
-            let truth = Body::new(shape, interior(c), light).unwrap().walk(power(8_000_000), 5).scattered();
-            let channel = |run: usize| lights[run].iter().skip(c).step_by(3);
-            let found = channel(0).chain(channel(1)).sum::<f64>() / area;
-            // Both pictures have the same means, pixel by pixel
-            let squares: f64 = channel(0).zip(channel(1)).map(|(a, b)| (a - b).powi(2)).sum();
-            let error = squares.sqrt() / area;
-            let allowed = ERRORS * error.hypot(truth.error) + 1e-3 * truth.value;
-            println!("{name} {c}: {found} ± {error}, photons {} ± {}", truth.value, truth.error);
-            assert!(
-                (found - truth.value).abs() <= allowed,
-                "{name}, channel {c}: {found}, not {}",
-                truth.value
-            );
-        }
+    let scene = body(slab, 2.0);
+    let of = |what, seed| layer(&scene, seed, power(256), what, Some(tracer()));
+    let area: f64 = [1, 2].map(|seed| of(FilmLayer::Alpha, seed).iter().sum::<f64>()).iter().sum();
+    let lights = [1, 2].map(|seed| of(FilmLayer::Subsurface, seed));
+    for c in 0..3 {
+        let per_length = 1.0 / f64::from(LENGTH[c]);
+        let shape = Shape::Slab { thickness: 0.6 * per_length };
+        let truth =
+            Body::new(shape, interior(c), Lighting::Distant).unwrap().walk(power(8_000_000), 5).scattered();
+        let channel = |run: usize| lights[run].iter().skip(c).step_by(3);
+        let found = channel(0).chain(channel(1)).sum::<f64>() / area;
+        // Both pictures have the same means, pixel by pixel
+        let squares: f64 = channel(0).zip(channel(1)).map(|(a, b)| (a - b).powi(2)).sum();
+        let error = squares.sqrt() / area;
+        let allowed = ERRORS * error.hypot(truth.error) + 1e-3 * truth.value;
+        println!("channel {c}: {found} ± {error}, photons {} ± {}", truth.value, truth.error);
+        assert!((found - truth.value).abs() <= allowed, "channel {c}: {found}, not {}", truth.value);
     }
 }
