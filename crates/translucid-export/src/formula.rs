@@ -26,9 +26,38 @@ const FORMULAS: [&str; 7] = [
 /// Functions of given names with all that they call, in WGSL, with the coefficients of a configuration; some of them
 /// made for the occasion.
 pub(crate) fn formulas(roots: &[&str], configuration: Configuration, made: &str) -> String {
+    with_called(roots, &constants(configuration), made)
+}
+
+/// The terms of oblique light in WGSL for a path tracer, which knows boundary and configuration when it runs: it sets
+/// `oblique_means`, the means of the energy's functions over diffuse light that was refracted, and `oblique_is_searchlight`.
+pub fn oblique_terms_of_any_boundary() -> String {
+    let mut constants = constants(Configuration::Diffuse);
+    let [log, first, second] = coefficients::OBLIQUE_ENERGY.map(|row| horner(&row, "diffuse"));
+    let searchlight = horner(&coefficients::OBLIQUE_DIFFUSE_ALBEDO, "albedo");
+    let albedos = format!(
+        "    let of_searchlight: f32 = min(albedo * (1.0 + (1.0 - albedo) * ({searchlight})), 1.0);
+    let diffuse: f32 = select(albedo, of_searchlight, oblique_is_searchlight);
+    let along_normal: f32 = 1.0 - oblique_deviation(diffuse, 1.0);
+    let means: f32 = ({log}) * oblique_means.x + ({first}) * oblique_means.y + ({second}) * oblique_means.z;
+    let of_diffuse: f32 = 1.0 - (1.0 - diffuse) * means;
+    let energy: f32 = albedo / select(of_diffuse, along_normal, oblique_is_searchlight);
+    let a: f32 = select(min(max(diffuse * along_normal, 0.0), 1.0), albedo, oblique_is_searchlight);"
+    );
+    constants.insert(String::from("oblique.albedos"), albedos);
+    let [diffuse, searchlight] = [Configuration::Diffuse, Configuration::Searchlight]
+        .map(|configuration| horner(&coefficients::mfp_per_dmfp(configuration), "a"));
+    let mfp_per_dmfp = format!("select({diffuse}, {searchlight}, oblique_is_searchlight)");
+    constants.insert(String::from("mfp_per_dmfp"), mfp_per_dmfp);
+    let variables = "var<private> oblique_means: vec3f;\nvar<private> oblique_is_searchlight: bool;\n\n";
+    variables.to_owned() + &with_called(&["oblique_terms", "refined_mfp_from_dmfp"], &constants, "")
+}
+
+/// Functions of given names with all that they call, and constants in their places.
+fn with_called(roots: &[&str], constants: &BTreeMap<String, String>, made: &str) -> String {
     let exponentials = REFINED.replace("refined_", "exponentials_").replace("Refined", "Exponentials");
     let source = FORMULAS.join("\n") + "\n" + &exponentials.replace("${exponentials_", "${refined_");
-    let source = with_constants(&source, &constants(configuration)) + "\n" + made;
+    let source = with_constants(&source, constants) + "\n" + made;
     let items: Vec<Item<'_>> = items(&source);
     let by_name: BTreeMap<&str, usize> = items.iter().enumerate().map(|(i, item)| (item.name, i)).collect();
     let mut wanted = BTreeSet::new();

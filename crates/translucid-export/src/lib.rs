@@ -63,6 +63,8 @@ mod transmittance;
 pub use curvature_table::CurvatureTable;
 pub use error::ExportError;
 pub use export::{Export, Sizes};
+#[doc(hidden)]
+pub use formula::oblique_terms_of_any_boundary;
 pub use function::{Function, functions};
 pub use image_format::ImageFormat;
 pub use language::Language;

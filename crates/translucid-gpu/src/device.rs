@@ -10,13 +10,15 @@ use crate::description::DeviceDescription;
 use crate::law::Law;
 
 /// The shaders, in the order in which they read best.
-const SHADERS: [&str; 6] = [
+const SHADERS: [&str; 8] = [
     include_str!("shaders/walk.wgsl"),
     include_str!("shaders/source.wgsl"),
     include_str!("shaders/boundary.wgsl"),
     include_str!("shaders/scatter.wgsl"),
     include_str!("shaders/tally.wgsl"),
-    concat!(include_str!("shaders/random.wgsl"), include_str!("shaders/arithmetic.wgsl")),
+    include_str!("shaders/random.wgsl"),
+    include_str!("shaders/pcg.wgsl"),
+    include_str!("shaders/arithmetic.wgsl"),
 ];
 /// Words of a photon in a slot.
 const SLOT_WORDS: u64 = 12;

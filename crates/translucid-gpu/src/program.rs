@@ -10,12 +10,14 @@ use glam::Vec3;
 use translucid_render::device::DeviceCamera;
 use translucid_render::{PixelSample, View};
 
-/// The shaders, in the order in which they read best.
-pub const SHADERS: &[&str] = &[
+/// The shaders of paths, in the order in which they read best.
+const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/kernels.wgsl"),
     include_str!("picture/shaders/camera.wgsl"),
     include_str!("picture/shaders/surface_step.wgsl"),
     include_str!("picture/shaders/walk_step.wgsl"),
+    include_str!("picture/shaders/probe_step.wgsl"),
+    include_str!("picture/shaders/profile.wgsl"),
     include_str!("picture/shaders/shadow.wgsl"),
     include_str!("picture/shaders/state.wgsl"),
     include_str!("picture/shaders/scene.wgsl"),
@@ -23,9 +25,14 @@ pub const SHADERS: &[&str] = &[
     include_str!("picture/shaders/point.wgsl"),
     include_str!("picture/shaders/ray.wgsl"),
     include_str!("picture/shaders/sampler.wgsl"),
+    include_str!("shaders/pcg.wgsl"),
     include_str!("picture/shaders/surface.wgsl"),
     include_str!("picture/shaders/interface.wgsl"),
     include_str!("picture/shaders/facets.wgsl"),
+];
+
+/// The shaders of lights, which know nothing of paths.
+pub const LIGHT_SHADERS: [&str; 14] = [
     include_str!("picture/shaders/light.wgsl"),
     include_str!("picture/shaders/light_selection.wgsl"),
     include_str!("picture/shaders/light_tree.wgsl"),
@@ -42,11 +49,17 @@ pub const SHADERS: &[&str] = &[
     include_str!("picture/shaders/light_tables.wgsl"),
 ];
 
+/// All shaders, and the formulas of oblique light, which exports have, too.
+pub fn text() -> String {
+    PATH_SHADERS.concat() + &LIGHT_SHADERS.concat() + &translucid_export::oblique_terms_of_any_boundary()
+}
+
 /// The kernels of a round, and how many slots one invocation each they need.
-pub const KERNELS: [(&str, u32); 8] = [
+pub const KERNELS: [(&str, u32); 9] = [
     ("begin_samples", 1),
     ("trace", 2),
     ("end_flights", 1),
+    ("weigh_probes", 1),
     ("look", 2),
     ("pass_on", 1),
     ("meet_surfaces", 1),
@@ -54,15 +67,16 @@ pub const KERNELS: [(&str, u32); 8] = [
     ("scatter_paths", 1),
 ];
 /// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
-pub const SLOT_BYTES: u64 = 1008;
+pub const SLOT_BYTES: u64 = 1088;
 /// Counters before the lists of slots.
-pub const COUNTERS: u64 = 9;
+pub const COUNTERS: u64 = 10;
 /// Those of them that count the lists' slots.
-pub const LIST_COUNTERS: Range<u64> = 2..9;
+pub const LIST_COUNTERS: Range<u64> = 2..10;
 /// Words of a sample.
 pub const SAMPLE_WORDS: usize = 20;
-/// Paths under way at a time: as many as the threads of the largest processors of 2025; and on a central processor.
-pub const SLOTS: (u32, u32) = (1 << 17, 1 << 12);
+/// Paths under way at a time: nearly as many as the threads of the largest processors of 2025, whose states are within
+/// 128 MiB; and on a central processor.
+pub const SLOTS: (u32, u32) = (15 << 13, 1 << 12);
 /// Rounds between two looks at the counters, at most.
 pub const MOST_ROUNDS: u32 = 256;
 

@@ -114,7 +114,7 @@ impl PhaseFunction {
             ("rayleigh", []) => Ok(Self::Rayleigh),
             ("two-term", [weight, g1, g2]) => Ok(Self::TwoTerm { weight: *weight, g1: *g1, g2: *g2 }),
             ("moments", [_, ..]) => Ok(Self::Moments(numbers.into())),
-            ("table", _) if numbers.len() % 2 == 0 => {
+            ("table", _) if numbers.len().is_multiple_of(2) => {
                 let table =
                     PhaseTable::new(numbers.as_chunks().0.to_vec()).map_err(|error| error.to_string())?;
                 Ok(Self::Table(Arc::new(table)))

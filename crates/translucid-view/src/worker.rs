@@ -86,7 +86,7 @@ extern "C" fn give(name: usize) {
 #[unsafe(no_mangle)]
 extern "C" fn program() {
     let text = json!({
-        "code": program::SHADERS.concat(),
+        "code": program::text(),
         "kernels": program::KERNELS,
         "slots": [program::SLOTS.0, program::SLOTS.1],
         "slotBytes": program::SLOT_BYTES,

@@ -99,8 +99,8 @@ fn devices_render_and_refuse_by_name() {
     stdout(folder, &format!("{RENDER} --device {device}"));
     assert!(folder.join("ball.exr").exists() && folder.join("ball.png").exists());
     let dipole = RENDER.replace("ball.exr", "dipole.exr");
-    let message = refused(folder, &format!("{dipole} --device {device} --subsurface dipole"));
-    assert!(message.contains("material m has a subsurface_model with a profile"), "{message}");
+    let message = refused(folder, &format!("{dipole} --device {device} --subsurface directional-dipole"));
+    assert!(message.contains("material m has subsurface_model = \"directional-dipole\""), "{message}");
     assert!(!folder.join("dipole.exr").exists());
     let message = refused(folder, &format!("{RENDER} --device nonesuch"));
     assert!(message.contains("there is no device \"nonesuch\""), "{message}");

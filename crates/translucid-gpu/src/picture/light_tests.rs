@@ -11,25 +11,8 @@ use translucid_render::measure::LightSample;
 use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;
+use crate::program::LIGHT_SHADERS;
 use scenes::{Case, RED, all_kinds, by_power, delta_lights, many, maps, single_lights};
-
-const SHADERS: &[&str] = &[
-    "const PI = 3.14159265358979f;\n",
-    include_str!("shaders/light.wgsl"),
-    include_str!("shaders/light_selection.wgsl"),
-    include_str!("shaders/light_tree.wgsl"),
-    include_str!("shaders/light_rectangle.wgsl"),
-    include_str!("shaders/light_ellipse.wgsl"),
-    include_str!("shaders/light_sphere.wgsl"),
-    include_str!("shaders/light_spot.wgsl"),
-    include_str!("shaders/light_cone.wgsl"),
-    include_str!("shaders/light_beam.wgsl"),
-    include_str!("shaders/light_distant.wgsl"),
-    include_str!("shaders/light_sky.wgsl"),
-    include_str!("shaders/light_triangle.wgsl"),
-    include_str!("shaders/light_directions.wgsl"),
-    include_str!("shaders/light_tables.wgsl"),
-];
 
 /// Words before those of the lights: they need not stand first.
 const BEFORE: usize = 3;
@@ -38,7 +21,8 @@ const BEFORE: usize = 3;
 fn run(words: &LightWords, body: &str, widths: [usize; 2], inputs: &[f32]) -> Vec<f32> {
     let tables = [vec![7.0; BEFORE], words.tables.clone()].concat();
     let body = format!("lights_at = {BEFORE}u;\n{body}");
-    Evaluation { shaders: SHADERS, body: &body, tables: &tables, images: &words.images, widths }.run(inputs)
+    let shaders = [&["const PI = 3.14159265358979f;\n"][..], &LIGHT_SHADERS].concat();
+    Evaluation { shaders: &shaders, body: &body, tables: &tables, images: &words.images, widths }.run(inputs)
 }
 
 const SAMPLE: &str = "
@@ -365,7 +349,7 @@ fn triangles_have_their_numbers() {
 
 #[test]
 fn constants_are_those_of_the_words() {
-    let text = SHADERS.concat();
+    let text = LIGHT_SHADERS.concat();
     for (name, value) in LIGHT_CONSTANTS {
         assert!(text.contains(&format!("const {name} = {value}u;")), "{name} is not {value}");
     }

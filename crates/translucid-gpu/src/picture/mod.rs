@@ -5,13 +5,19 @@
 //! pixel and number alone, whichever slot it had.
 
 #[cfg(test)]
+mod broken_tests;
+#[cfg(test)]
 mod evaluate;
 #[cfg(test)]
 mod light_tests;
 #[cfg(test)]
+mod profile_tests;
+#[cfg(test)]
 mod surface_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod walk_tests;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,8 +29,8 @@ use translucid_render::{PathTracing, PixelSample, View};
 
 use crate::device::{DISPATCH_TIME, Gpu};
 use crate::program::{
-    COUNTERS, EMPTY_NODE, KERNELS, LIST_COUNTERS, MOST_ROUNDS, SAMPLE_WORDS, SETTINGS, SHADERS, SLOT_BYTES,
-    SLOTS, samples as samples_of, settings,
+    COUNTERS, EMPTY_NODE, KERNELS, LIST_COUNTERS, MOST_ROUNDS, SAMPLE_WORDS, SETTINGS, SLOT_BYTES, SLOTS,
+    samples as samples_of, settings, text,
 };
 
 /// A device that traces pictures: its kernels are made once for all scenes.
@@ -45,7 +51,7 @@ impl Tracer {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
+            source: wgpu::ShaderSource::Wgsl(text().into()),
         });
         let layout = bindings(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

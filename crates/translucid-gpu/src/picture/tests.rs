@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 
 use glam::{Affine2, Vec2, Vec3};
-use translucid_profile::Model;
 use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
@@ -19,9 +18,10 @@ use super::*;
 /// The stride of slots is that of the shaders.
 #[test]
 fn slots_have_the_size_of_the_shaders() {
-    let module = match naga::front::wgsl::parse_str(&SHADERS.concat()) {
+    let text = text();
+    let module = match naga::front::wgsl::parse_str(&text) {
         Ok(module) => module,
-        Err(error) => panic!("{}", error.emit_to_string(&SHADERS.concat())),
+        Err(error) => panic!("{}", error.emit_to_string(&text)),
     };
     let span = module.types.iter().find_map(|(_, kind)| match (&kind.name, &kind.inner) {
         (Some(name), naga::TypeInner::Struct { span, .. }) if name == "Slot" => Some(*span),
@@ -33,7 +33,7 @@ fn slots_have_the_size_of_the_shaders() {
 /// Channels of all layers.
 const CHANNELS: usize = 23;
 
-fn tracer() -> &'static Arc<Tracer> {
+pub(super) fn tracer() -> &'static Arc<Tracer> {
     static TRACER: OnceLock<Arc<Tracer>> = OnceLock::new();
     TRACER.get_or_init(|| Arc::new(Tracer::new(evaluate::open()).unwrap()))
 }
@@ -60,7 +60,7 @@ fn means(scene: &Scene, runs: u64, samples: u32, device: Option<&Arc<Tracer>>) -
     (0..runs).map(run).collect()
 }
 
-fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Tracer>>) -> Session {
+pub(super) fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Tracer>>) -> Session {
     let prepared = PreparedScene::new(scene.clone()).unwrap();
     let view = prepared.view().unwrap();
     let mut session = Session::new(prepared, view);
@@ -104,7 +104,7 @@ fn shape(name: &str, size: f32, at: Vec3, material: usize, group: u32) -> Object
 }
 
 /// A ball and a block under an even sky.
-fn scene(ball: Material, block: Material) -> Scene {
+pub(super) fn scene(ball: Material, block: Material) -> Scene {
     Scene {
         camera: Camera { position: Vec3::new(0.0, 1.0, 4.5), target: Vec3::ZERO, ..Camera::default() },
         film: Film { width: 12, height: 12, ..Film::default() },
@@ -118,7 +118,7 @@ fn scene(ball: Material, block: Material) -> Scene {
     }
 }
 
-fn matte() -> Material {
+pub(super) fn matte() -> Material {
     Material {
         name: "matte".into(),
         base_color: ColorInput::constant(Vec3::new(0.7, 0.3, 0.2)),
@@ -126,7 +126,7 @@ fn matte() -> Material {
     }
 }
 
-fn wax(surface: WalkSurface) -> Material {
+pub(super) fn wax(surface: WalkSurface) -> Material {
     Material {
         name: "wax".into(),
         subsurface_weight: ScalarInput::constant(1.0),
@@ -138,7 +138,7 @@ fn wax(surface: WalkSurface) -> Material {
     }
 }
 
-fn lamp() -> Light {
+pub(super) fn lamp() -> Light {
     Light::Rectangle {
         center: Vec3::new(2.0, 4.0, 2.0),
         edge_x: Vec3::Z,
@@ -273,22 +273,39 @@ fn shares_of_work_have_no_part_in_the_bits() {
     assert_eq!(stopped.film().samples(), 5);
 }
 
+/// The device's words of refusal.
+pub(super) fn refusal(scene: Scene) -> String {
+    let prepared = PreparedScene::new(scene).unwrap();
+    let limits = DeviceLimits { array_bytes: 1 << 27 };
+    let view = prepared.view().unwrap();
+    DeviceScene::new(&prepared, &view, &limits).unwrap_err().to_string()
+}
+
 #[test]
 fn scenes_that_devices_lack_something_for_are_refused_by_name() {
-    let profile =
-        Material { subsurface_model: SubsurfaceModel::Profile(Model::Dipole), ..wax(WalkSurface::Clear) };
     let shadow = Material { camera_visibility: CameraVisibility::Shadow, ..matte() };
     let lamp = Material { emission_luminance: 1.0, emission_color: ColorInput::vertex(), ..matte() };
-    for (material, expected) in [(profile, "profile"), (shadow, "camera_visibility"), (lamp, "emission")] {
-        let prepared = PreparedScene::new(scene(material, matte())).unwrap();
-        let view = prepared.view().unwrap();
-        let device: Arc<dyn TracingDevice> = tracer().clone();
-        let error = Session::new(prepared, view)
-            .set_device(Some(OnDevice::required(device)))
-            .unwrap_err()
-            .to_string();
+    for (material, expected) in [(shadow, "camera_visibility"), (lamp, "emission")] {
+        let error = refusal(scene(material, matte()));
         assert!(error.contains(expected) && error.contains("material"), "{error}");
     }
+}
+
+/// Light without size is not found below a refracting boundary, where no light sample comes; light of any size is.
+#[test]
+fn light_without_size_is_refused_below_refracting_boundaries() {
+    let below = |surface, eta, angular_radius| {
+        let mut scene = scene(Material { subsurface_eta: eta, ..wax(surface) }, matte());
+        scene.lights.push(Light::Distant { direction: -Vec3::Y, angular_radius, irradiance: Vec3::ONE });
+        let prepared = PreparedScene::new(scene).unwrap();
+        let view = prepared.view().unwrap();
+        DeviceScene::new(&prepared, &view, &DeviceLimits { array_bytes: 1 << 27 }).map(|_| ())
+    };
+    let error = below(WalkSurface::Clear, 1.4, 0.0).unwrap_err().to_string();
+    assert!(error.contains("material wax") && error.contains("lit by a light without size"), "{error}");
+    below(WalkSurface::Clear, 1.4, 0.1).unwrap();
+    below(WalkSurface::Clear, 1.0, 0.0).unwrap();
+    below(WalkSurface::Diffuse, 1.4, 0.0).unwrap();
 }
 
 /// The head of the tables has the places that the shaders know.
@@ -307,6 +324,7 @@ fn heads_of_tables_agree() {
         ("MIDDLE", Header::Middle),
         ("FARTHEST", Header::Farthest),
         ("SHADOWS_LOOK", Header::ShadowsLook),
+        ("DIAGONAL", Header::Diagonal),
     ] {
         assert!(text.contains(&format!("const {name} = {}u;", place as u32)), "{name}");
     }

@@ -168,6 +168,27 @@ impl From<&AlbedoTable> for AlbedoTableF32 {
     }
 }
 
+impl AlbedoTableF32 {
+    /// The table for a shader: of each row the surface albedo, the reciprocal distance to the next one, four coefficients of
+    /// the median radius, the median and the radius beyond which the share `tail` is in the row's unit, and the place of its
+    /// table; then these tables.
+    #[doc(hidden)]
+    pub fn words(&self, tail: f32) -> Vec<f32> {
+        let mut rows = Vec::new();
+        let mut tables = Vec::new();
+        for (albedo, row) in self.surface_albedos.iter().zip(&self.rows) {
+            let [value, slope, square, cube] = row.median;
+            let numbers = [*albedo, row.inverse_width, value, slope, square, cube, row.unit_median];
+            rows.extend(numbers.map(|number| number as f32));
+            let at = 9 * self.rows.len() + tables.len();
+            rows.extend([row.table.quantile_complement(tail), at as f32]);
+            tables.extend(row.table.words());
+        }
+        rows.extend(tables);
+        rows
+    }
+}
+
 impl<T: Precision> AlbedoTable<T> {
     /// Surface albedos of the rows.
     pub fn surface_albedos(&self) -> &[f64] {

@@ -28,6 +28,15 @@ pub struct CellF32 {
 }
 
 impl CellF32 {
+    /// All numbers, in the order of the fields.
+    pub(crate) fn words(&self) -> [f32; 16] {
+        let Self { start, inverse_width, q, n, s, c, within, beyond, share, .. } = *self;
+        let Self { slope_in, weighted_slope_out, weight, .. } = *self;
+        let shape = [start, inverse_width, q[0], q[1], n[0], n[1], n[2], s[0], s[1], c];
+        let rest = [within, beyond, share, slope_in, weighted_slope_out, weight];
+        std::array::from_fn(|i| if i < shape.len() { shape[i] } else { rest[i - shape.len()] })
+    }
+
     /// θ and Q(θ).
     #[inline(always)]
     fn place(&self, x: f32) -> (f32, f32) {

@@ -10,6 +10,7 @@
 //! variates from an empirical distribution*).
 
 use crate::table::monotone_cell::{Knot, RadialCell};
+use crate::table::monotone_cell_f32::CellF32;
 use crate::table::precision::{Number, Precision};
 
 /// Shares within a bucket of the guide have this many leading bits of their fraction in common.
@@ -87,6 +88,21 @@ impl From<&RadialTable> for RadialTable<f32> {
         let tail = Tail { start: start as f32, share: share as f32, rate: rate as f32 };
         let first_exponent = table.first_octave as i32 - f64::EXPONENT_BIAS;
         Self::new(first_exponent, &octave_bits, table.cells.iter().map(Into::into).collect(), tail)
+    }
+}
+
+impl RadialTable<f32> {
+    /// The table for a shader, which finds the cell of a share by halving: exponent bits of the first octave, numbers of octaves
+    /// and cells, start, share and rate of the tail; of each octave shift and base; the [words](CellF32::words) of each cell.
+    ///
+    /// Whole numbers stand as floating-point ones, which hold them exactly; a base may be below 0.
+    pub(crate) fn words(&self) -> Vec<f32> {
+        let Self { first_octave, octaves, cells, tail, .. } = self;
+        let counts = [*first_octave as usize, octaves.len(), cells.len()].map(|count| count as f32);
+        let octaves =
+            octaves.iter().flat_map(|octave| [octave.shift as f32, octave.base.cast_signed() as f32]);
+        let cells = cells.iter().flat_map(CellF32::words);
+        counts.into_iter().chain([tail.start, tail.share, tail.rate]).chain(octaves).chain(cells).collect()
     }
 }
 

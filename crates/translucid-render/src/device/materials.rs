@@ -1,13 +1,16 @@
 //! Materials and textures as numbers. Whole numbers are stated as floating-point ones, which hold them exactly.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use translucid_scene::{
-    CameraVisibility, ColorInput, Light, Material, ScalarInput, Scene, SceneError, TextureRef, WalkSurface,
-    Wrap,
+    CameraVisibility, ColorInput, Light, Material, ScalarInput, Scene, SceneError, SubsurfaceNormalization,
+    TextureRef, WalkSurface, Wrap,
 };
 
 use crate::render::PreparedScene;
 use crate::subsurface::transport::SubsurfaceTransport;
+use crate::subsurface::transport::probes::Probes;
 use crate::surface::{self, WalkMedium};
 
 /// Words of a texture: image, width, height, wrap modes, mapping by columns.
@@ -27,8 +30,9 @@ pub(super) struct Materials<'a> {
     scene: &'a Scene,
     pub(super) words: Vec<f32>,
     pub(super) textures: Vec<f32>,
-    /// Media with their tables' place, and the tables: for each surface albedo √(1 − α), and the mean free path of a length 1.
-    media: Vec<(*const WalkMedium, usize)>,
+    /// Media and kernels, with the place of their tables.
+    known: Vec<(*const (), usize)>,
+    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of a kernel its words.
     pub(super) medium_tables: Vec<f32>,
 }
 
@@ -38,7 +42,7 @@ impl<'a> Materials<'a> {
 
     pub(super) fn new(scene: &'a Scene) -> Self {
         let (words, textures) = (Vec::new(), Vec::new());
-        Self { scene, words, textures, media: Vec::new(), medium_tables: Vec::new() }
+        Self { scene, words, textures, known: Vec::new(), medium_tables: Vec::new() }
     }
 
     /// Adds a material whose reflectance tables begin at a place.
@@ -59,8 +63,8 @@ impl<'a> Materials<'a> {
         if material.camera_visibility == CameraVisibility::Shadow {
             return lacks("camera_visibility = \"shadow\"");
         }
-        let medium = match transports.of(index) {
-            SubsurfaceTransport::Lambertian => None,
+        let below = match transports.of(index) {
+            SubsurfaceTransport::Lambertian => [0.0; 6],
             SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
             SubsurfaceTransport::Walk(walks)
                 if walks.medium.surface == WalkSurface::Clear
@@ -69,9 +73,18 @@ impl<'a> Materials<'a> {
             {
                 return lacks("a walk below a refracting boundary, lit by a light without size");
             }
-            SubsurfaceTransport::Walk(walks) => Some(&walks.medium),
-            SubsurfaceTransport::Probes(_) | SubsurfaceTransport::Shared(_) => {
-                return lacks("a subsurface_model with a profile (a random walk can be traced)");
+            SubsurfaceTransport::Walk(walks) => self.medium(&walks.medium),
+            SubsurfaceTransport::Probes(probes) | SubsurfaceTransport::Shared(probes) => {
+                if probes.pairing.is_some() {
+                    return lacks("subsurface_texture_at other than \"exit\" and a texture");
+                }
+                if material.subsurface_normalization != SubsurfaceNormalization::None {
+                    return lacks("subsurface_normalization");
+                }
+                match self.profile(probes) {
+                    Some(words) => words,
+                    None => return lacks("subsurface_model = \"directional-dipole\""),
+                }
             }
         };
         if has_varied_emission(material) {
@@ -117,7 +130,7 @@ impl<'a> Materials<'a> {
             map.map_or(1.0, |map| map.scale),
             number((material.camera_visibility == CameraVisibility::None).into()),
         ]);
-        self.medium(medium.map(AsRef::as_ref));
+        self.words.extend(below);
         self.words.push(number(reflectance_at));
         self.words.push(number(world.surfaces.lets_light_through(index).into()));
         self.words.push(number(world.media.of(index).is_some().into()));
@@ -158,15 +171,10 @@ impl<'a> Materials<'a> {
         number(index)
     }
 
-    /// Six words: whether there is one, its surface, relative index, mean cosine, most flights, where its tables begin among
-    /// those of media.
-    fn medium(&mut self, medium: Option<&WalkMedium>) {
-        let Some(medium) = medium else {
-            self.words.extend([0.0; 6]);
-            return;
-        };
-        let known = self.media.iter().find(|(known, _)| std::ptr::eq(*known, medium)).map(|&(_, at)| at);
-        let at = known.unwrap_or_else(|| self.tables(medium));
+    /// Six words of what is below a surface: 1 for a medium, its surface, relative index, mean cosine, most flights, where its
+    /// tables begin.
+    fn medium(&mut self, medium: &Arc<WalkMedium>) -> [f32; 6] {
+        let at = self.place_of(Arc::as_ptr(medium).cast(), || medium_tables(medium));
         let surface = match medium.surface {
             WalkSurface::Clear => 0.0,
             WalkSurface::Diffuse => 1.0,
@@ -174,19 +182,34 @@ impl<'a> Materials<'a> {
             WalkSurface::Skin => 3.0,
         };
         let most = medium.most_flights as f32;
-        self.words.extend([1.0, surface, medium.eta, medium.g, most, number(at)]);
+        [1.0, surface, medium.eta, medium.g, most, number(at)]
     }
 
-    fn tables(&mut self, medium: &WalkMedium) -> usize {
+    /// Six words of what is below a surface: 2 for a profile, and where its kernel begins. `None` where devices lack it.
+    fn profile(&mut self, probes: &Probes) -> Option<[f32; 6]> {
+        let words = probes.kernel.words(probes.cutting.tail(), probes.axes)?;
+        let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), || words);
+        Some([2.0, 0.0, 0.0, 0.0, 0.0, number(at)])
+    }
+
+    /// Where the tables of a medium or kernel begin, which are made where they are new.
+    fn place_of(&mut self, of: *const (), make: impl FnOnce() -> Vec<f32>) -> usize {
+        if let Some((_, at)) = self.known.iter().find(|(known, _)| *known == of) {
+            return *at;
+        }
         let at = self.medium_tables.len();
-        self.media.push((medium, at));
-        let albedo = |i: usize| Vec3::splat(i as f32 / ALBEDOS as f32);
-        // Nearly linear in A, where α itself is not
-        let root = |i| (1.0 - medium.single_scattering_albedo(albedo(i)).x).max(0.0).sqrt();
-        self.medium_tables.extend((0..=ALBEDOS).map(root));
-        self.medium_tables.extend((0..=ALBEDOS).map(|i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x));
+        self.known.push((of, at));
+        self.medium_tables.extend(make());
         at
     }
+}
+
+fn medium_tables(medium: &WalkMedium) -> Vec<f32> {
+    let albedo = |i: usize| Vec3::splat(i as f32 / ALBEDOS as f32);
+    // Nearly linear in A, where α itself is not
+    let root = |i| (1.0 - medium.single_scattering_albedo(albedo(i)).x).max(0.0).sqrt();
+    let length = |i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x;
+    (0..=ALBEDOS).map(root).chain((0..=ALBEDOS).map(length)).collect()
 }
 
 /// Returns `true` if no path meets a light by chance.

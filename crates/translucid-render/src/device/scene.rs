@@ -61,6 +61,8 @@ pub enum Header {
     Farthest = Self::Middle as usize + 3,
     /// Whether shadow rays have to look at what they meet.
     ShadowsLook,
+    /// Diagonal of the scene's bounds \[L\].
+    Diagonal,
     /// Number of words of the header.
     Count,
 }
@@ -149,6 +151,7 @@ impl DeviceScene {
             (Header::Color, layout.color as f32),
             (Header::Farthest, (diagonal * FARTHEST).length_squared()),
             (Header::ShadowsLook, if prepared.shadows_look() { 1.0 } else { 0.0 }),
+            (Header::Diagonal, diagonal.length()),
         ];
         for (place, value) in header {
             tables[place as usize] = value;

@@ -2,8 +2,9 @@
 // soon: no walk is followed to its end, for systems kill what takes seconds.
 //
 //   begin_samples   all slots → samples that are done are written, others begun; slots into lists
-//   trace           rays, flights and light samples → what they meet
+//   trace           rays, flights, probes and light samples → what they meet
 //   end_flights     flights → a collision, the body's end, or on
+//   weigh_probes    hits of probes → the next hit, or the entry point
 //   look            what was met → the material's values there
 //   pass_on         light samples at surfaces and lights → further, there, or gone
 //   meet_surfaces   paths at lights, surfaces and bodies' ends → gone, on, or to be scattered beside a light sample
@@ -34,8 +35,11 @@ fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
             work = FREE_RAY;
         }
     }
-    if (work == FREE_RAY || work == WALK_RAY) {
+    if (work == FREE_RAY || work == WALK_RAY || work == PROBE_RAY) {
         enqueue(RAYS, slot);
+    }
+    if (work == PROBE_NEXT) {
+        enqueue(PROBES, slot);
     }
     // Those that wait for their last light sample
     if (work == AT_SURFACE || work == COLLIDED || work == AT_MATTE_END) {
@@ -60,18 +64,31 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
 }
 
 fn trace_path(slot: u32) {
-    var hit: Hit;
-    if (slots[slot].path.work == FREE_RAY) {
-        hit = closest(slots[slot].path.origin, slots[slot].path.direction, NEVER, EVERY_GROUP, 0u, false);
+    let work = slots[slot].path.work;
+    var origin = slots[slot].path.origin;
+    var direction = slots[slot].path.direction;
+    var way = NEVER;
+    var after = Along(0.0, NO_TRIANGLE);
+    if (work == WALK_RAY) {
+        let done = slots[slot].walk.done;
+        direction = slots[slot].walk.direction;
+        origin = slots[slot].walk.start + direction * done;
+        way = slots[slot].walk.length - done + slots[slot].walk.offset;
+    } else if (work == PROBE_RAY) {
+        way = slots[slot].probe.t_max;
+        after = Along(slots[slot].probe.t, slots[slot].probe.triangle);
+    }
+    let groups = select(ONE_GROUP, EVERY_GROUP, work == FREE_RAY);
+    let hit = closest(origin, direction, after, way, groups, slots[slot].walk.group, false);
+    if (work == FREE_RAY) {
         slots[slot].path.work = FREE_HIT;
         enqueue(POINTS, slot);
-    } else {
-        let done = slots[slot].walk.done;
-        let direction = slots[slot].walk.direction;
-        let way = slots[slot].walk.length - done + slots[slot].walk.offset;
-        hit = closest(slots[slot].walk.start + direction * done, direction, way, ONE_GROUP, slots[slot].walk.group, false);
+    } else if (work == WALK_RAY) {
         slots[slot].path.work = WALK_HIT;
         enqueue(FLIGHTS, slot);
+    } else {
+        slots[slot].path.work = PROBE_HIT;
+        enqueue(PROBES, slot);
     }
     slots[slot].path.hit_t = hit.t;
     slots[slot].path.hit = hit.b;
@@ -81,13 +98,15 @@ fn trace_path(slot: u32) {
 fn trace_shadow(slot: u32) {
     let origin = slots[slot].shadow.origin;
     let direction = slots[slot].shadow.direction;
+    let start = Along(0.0, NO_TRIANGLE);
     var hit: Hit;
     if (slots[slot].shadow.stage == FREE_SHADOW) {
-        hit = closest(origin, direction, slots[slot].shadow.t_max, EVERY_GROUP, 0u, head(SHADOWS_LOOK) == 0u);
+        let any = head(SHADOWS_LOOK) == 0u;
+        hit = closest(origin, direction, start, slots[slot].shadow.t_max, EVERY_GROUP, 0u, any);
     } else {
         let done = slots[slot].shadow.done;
         let way = slots[slot].shadow.length - done + slots[slot].shadow.offset;
-        hit = closest(origin + direction * done, direction, way, ONE_GROUP, slots[slot].shadow.group, false);
+        hit = closest(origin + direction * done, direction, start, way, ONE_GROUP, slots[slot].shadow.group, false);
     }
     slots[slot].shadow.hit_t = hit.t;
     slots[slot].shadow.hit = hit.b;
@@ -121,6 +140,22 @@ fn enqueue_scattering(slot: u32, light: u32) {
     if (light != NO_LIGHT) {
         enqueue(LIGHT_REQUESTS, slot);
     }
+}
+
+@compute @workgroup_size(group_size)
+fn weigh_probes(@builtin(global_invocation_id) id: vec3u) {
+    let slot = dequeue(PROBES, id.x);
+    if (slot >= settings.slots) {
+        return;
+    }
+    var path = slots[slot].path;
+    var probe = slots[slot].probe;
+    probe_step(&path, &probe, kernel_of(slots[slot].walk.material));
+    if (path.work == PROBE_END) {
+        enqueue(POINTS, slot);
+    }
+    slots[slot].path = path;
+    slots[slot].probe = probe;
 }
 
 @compute @workgroup_size(group_size)
@@ -174,6 +209,9 @@ fn meet_surfaces(@builtin(global_invocation_id) id: vec3u) {
         var found = slots[slot].found;
         meet(&path, &found, &met, &light);
         slots[slot].found = found;
+    } else if (path.work == PROBE_END) {
+        path.work = AT_MATTE_END;
+        request_light(&light, met.position, met.normal * slots[slot].walk.side);
     } else {
         var walk = slots[slot].walk;
         reach_end(&path, &walk, &met, &light);
@@ -199,7 +237,7 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
         var path = slots[slot].path;
         u = walk_numbers(&path, 2u * slots[slot].walk.events - 1u);
     } else {
-        let number = select(SURFACE_SETS + WALK_SETS, 1u, work == AT_SURFACE);
+        let number = select(surface_sets(slots[slot].path.flags) + WALK_SETS, 1u, work == AT_SURFACE);
         u = stratified(slots[slot].path.sampler, slots[slot].path.vertex, number);
     }
     var light = slots[slot].light;
@@ -233,7 +271,8 @@ fn scatter_paths(@builtin(global_invocation_id) id: vec3u) {
             scatter_walk(&path, &walk, &light, &shadow);
         } else {
             var met = slots[slot].met;
-            scatter_at_matte_end(&path, &walk, &met, &light, &shadow);
+            var probe = slots[slot].probe;
+            scatter_at_matte_end(&path, &walk, &probe, &met, &light, &shadow);
         }
         slots[slot].walk = walk;
     }

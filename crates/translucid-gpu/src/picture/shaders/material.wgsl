@@ -32,11 +32,15 @@ const EMISSION_LUMINANCE = 90u;
 const THIN_WALLED = 91u;
 const NORMAL_SCALE = 92u;
 const HIDDEN_FROM_CAMERA = 93u;
-const HAS_WALK = 94u;
+// What is below: nothing, a walk's medium or a profile.
+const BELOW_KIND = 94u;
+const WALK_BELOW = 1u;
+const PROFILE_BELOW = 2u;
 const WALK_SURFACE = 95u;
 const WALK_ETA = 96u;
 const WALK_G = 97u;
 const MOST_FLIGHTS = 98u;
+// Tables of the walk's medium, or of the profile's kernel.
 const MEDIUM = 99u;
 const REFLECTANCES = 100u;
 const LETS_LIGHT_THROUGH = 101u;
@@ -173,8 +177,10 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     p.coat_ior = tables[m + COAT_IOR];
     p.is_thin = u32(is_thin);
     p.tables = u32(tables[m + REFLECTANCES]);
-    if (tables[m + HAS_WALK] > 0.0) {
-        let stated = max(values[RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
+    let stated = max(values[RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
+    if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
+        set_profile(&met, &p, kernel_of(point.material), stated);
+    } else if (u32(tables[m + BELOW_KIND]) == WALK_BELOW) {
         let table = head(MEDIA) + u32(tables[m + MEDIUM]) + u32(ALBEDOS) + 1u;
         let length = stated * of_albedos(table, p.surface_albedo);
         met.length = select(vec3f(0.0), length, length > vec3f(LEAST_OFFSETS_OF_MFP * point.offset));
@@ -187,6 +193,25 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     }
     met.surface = p;
     return met;
+}
+
+// Place of the words of a material's profile.
+fn kernel_of(material: u32) -> u32 {
+    return head(MEDIA) + u32(tables[material_at(material) + MEDIUM]);
+}
+
+// Surface albedos of a profile, and lengths, 0 in channels half of whose light leaves too near its entry.
+fn set_profile(met: ptr<function, Met>, p: ptr<function, Surface>, kernel: u32, stated: vec3f) {
+    var length = stated;
+    if (tables[kernel + HAS_OWN] > 0.0) {
+        (*p).surface_albedo = table_color(kernel + OWN_ALBEDO);
+        length = table_color(kernel + OWN_LENGTH);
+    }
+    for (var c = 0u; c < 3u; c += 1u) {
+        let albedo = (*p).surface_albedo[c];
+        let median = median_radius(kernel, profile_row(kernel, albedo), albedo, length[c]);
+        (*met).length[c] = select(0.0, length[c], length[c] > 0.0 && median > (*met).offset);
+    }
 }
 
 fn unit(color: vec3f) -> vec3f {

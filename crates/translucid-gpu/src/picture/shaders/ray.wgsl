@@ -16,6 +16,12 @@ struct Sheared {
     factors: vec3f,
 }
 
+// A place along a ray: what two triangles have in common is first in that of the lower number.
+struct Along {
+    t: f32,
+    triangle: u32,
+}
+
 const STACK = 64u;
 const EVERY_GROUP = 0u;
 const ONE_GROUP = 1u;
@@ -53,7 +59,7 @@ fn intersected(triangle: u32, ray: Sheared, t_max: f32) -> vec3f {
     }
     let inverse = 1.0 / determinant;
     let t = (u * a.z + v * b.z + w * c.z) * inverse;
-    if (!(t > 0.0 && t < t_max)) {
+    if (!(t > 0.0 && t <= t_max)) {
         return vec3f(NEVER, 0.0, 0.0);
     }
     return vec3f(t, v * inverse, w * inverse);
@@ -83,8 +89,8 @@ fn inverse_of(direction: vec3f) -> vec3f {
     return select(1.0 / direction, signs * 1e18, is_flat);
 }
 
-// The nearest surface of all groups, or of one. With `any` the first that is found will do.
-fn closest(origin: vec3f, direction: vec3f, t_max: f32, groups: u32, group: u32, any: bool) -> Hit {
+// The nearest surface of all groups, or of one, behind a place. With `any` the first that is found will do.
+fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u32, group: u32, any: bool) -> Hit {
     var best = Hit(t_max, vec2f(0.0), 0u, false);
     if (arrayLength(&nodes) < 2u || settings.slots == 0u) {
         return best;
@@ -109,7 +115,10 @@ fn closest(origin: vec3f, direction: vec3f, t_max: f32, groups: u32, group: u32,
                     continue;
                 }
                 let found = intersected(triangle, ray, best.t);
-                if (found.x < best.t) {
+                // Those at the same distance come by their numbers
+                let is_nearer = found.x < best.t || found.x < NEVER && (!best.is_hit || triangle < best.triangle);
+                let is_behind = found.x > after.t || found.x == after.t && triangle > after.triangle;
+                if (is_nearer && is_behind) {
                     best = Hit(found.x, found.yz, triangle, true);
                     if (any) {
                         return best;

@@ -41,22 +41,9 @@ fn stratified(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
     return in_unit(reverseBits(scrambled));
 }
 
-// Four independent numbers in [0, 1): pcg4d of M. Jarzynski and M. Olano 2020, Hash Functions for GPU Rendering, JCGT 9(3),
-// with a round more.
+// Four independent numbers in [0, 1).
 fn independent(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
-    var v = vec4u(sampler.seed, sampler.index, vertex, number) * 1664525u + 1013904223u;
-    v = mixed(v);
-    v = mixed(v ^ (v >> vec4u(16u)));
-    return in_unit(mixed(v ^ (v >> vec4u(16u))));
-}
-
-fn mixed(words: vec4u) -> vec4u {
-    var v = words;
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-    return v;
+    return in_unit(pcg4d(vec4u(sampler.seed, sampler.index, vertex, number)));
 }
 
 fn word_at(place: u32) -> u32 {

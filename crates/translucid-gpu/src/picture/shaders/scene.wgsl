@@ -55,6 +55,7 @@ const COLOR = 16u;
 const MIDDLE = 17u;
 const FARTHEST = 20u;
 const SHADOWS_LOOK = 21u;
+const DIAGONAL = 22u;
 
 fn head(place: u32) -> u32 {
     return u32(tables[place]);

@@ -11,6 +11,10 @@ const AT_SURFACE = 6u;  // a surface to scatter it
 const COLLIDED = 7u;    // a medium to scatter it
 const AT_MATTE_END = 8u; // to go on where light enters a matte surface
 const ENDED = 9u;       // its light sample alone
+const PROBE_NEXT = 10u; // the next probe for an entry point to be drawn
+const PROBE_RAY = 11u;  // a probe to be followed to its next hit
+const PROBE_HIT = 12u;  // what the probe has met
+const PROBE_END = 13u;  // the entry point there
 
 // Layer of the picture that a path brings light to.
 const OF_EMISSION = 0u;
@@ -21,6 +25,7 @@ const OF_SUBSURFACE = 2u;
 const HAS_MET = 1u;    // a surface that the camera sees
 const SOFT = 2u;       // it has left a matte surface, and there are no caustics
 const IS_FIRST = 4u;   // the surface at hand is the first that the camera sees
+const UNLIT = 8u;      // the surface at hand has taken no numbers for a light sample
 
 // Stages of a light sample.
 const NO_SHADOW = 0u;
@@ -78,6 +83,26 @@ struct Walk {
     material: u32,
     events: u32,
     has_scattered: u32,
+}
+
+// Probes for the entry points of light that leaves at a point.
+struct Probe {
+    exit: vec3f,
+    // The axis at hand, the first one with light, and the number by which a hit is picked.
+    axis: u32,
+    // Geometric normal at the exit.
+    normal: vec3f,
+    // The hit before, and its triangle.
+    t: f32,
+    surface_albedo: vec3f,
+    triangle: u32,
+    length: vec3f,
+    // Importance of all hits; once it is known, how much of it comes before the hit that is picked, below 0 until then.
+    sum: f32,
+    goal: f32,
+    t_max: f32,
+    first_axis: u32,
+    pick: f32,
 }
 
 // A light sample on its way from a point to the light.
@@ -145,6 +170,7 @@ struct Slot {
     shadow: Shadow,
     found: Found,
     light: Light,
+    probe: Probe,
     met: Met,
     // Where the light sample is.
     shadow_met: Met,
@@ -167,7 +193,8 @@ const POINTS = 5u;
 const SHADOW_HITS = 6u;
 const LIGHT_REQUESTS = 7u;
 const SCATTERS = 8u;
-const COUNTERS = 9u;
+const PROBES = 9u;
+const COUNTERS = 10u;
 
 fn enqueue(list: u32, slot: u32) {
     let place = atomicAdd(&queues[list], 1u);

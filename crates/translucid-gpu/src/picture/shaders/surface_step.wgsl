@@ -154,7 +154,9 @@ fn scatter_at_surface(
         (*path).flags &= ~IS_FIRST;
         (*found).albedo = bsdf.albedo;
     }
-    let v = stratified((*path).sampler, (*path).vertex, 2u);
+    // Sets of numbers are taken one after the other, as on the processor
+    (*path).flags = select((*path).flags & ~UNLIT, (*path).flags | UNLIT, is_spent || bsdf_is_smooth_only(&bsdf));
+    let v = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) - 1u);
     var chosen = bsdf_choose(&bsdf, v.x, v.yz);
     let has_light = (*light).kind != NO_LIGHT && !bsdf_is_smooth_only(&bsdf);
     let is_drawn = chosen.kind == DIRECTION && chosen.lobe != MIRROR;
@@ -176,7 +178,11 @@ fn scatter_at_surface(
     }
     if (chosen.kind == BELOW) {
         (*path).throughput *= chosen.weight;
-        begin_walk(slot, path, met, normal);
+        if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
+            begin_probes(slot, path, met);
+        } else {
+            begin_walk(slot, path, met, normal);
+        }
         return;
     }
     if (chosen.kind == NOTHING || is_spent) {

@@ -7,8 +7,7 @@ const SKIN = 3u;
 
 // Share of the light that entered below which walks end at random.
 const ROULETTE_BELOW = 0.25;
-// Sets of numbers of a vertex that are the surface's; then those of a walk's first events, and two of a matte end.
-const SURFACE_SETS = 3u;
+// Sets of numbers of a vertex behind those of the surface: those of a walk's first events or of probes; then two of a matte end.
 const WALK_SETS = 3u;
 // |g| below which directions are drawn evenly: the quotient of the closed form would be rounding noise.
 const ISOTROPIC = 1e-3;
@@ -16,9 +15,14 @@ const ISOTROPIC = 1e-3;
 // Numbers of a walk: stratified for its first events, then independent.
 fn walk_numbers(path: ptr<function, Path>, number: u32) -> vec4f {
     if (number < WALK_SETS) {
-        return stratified((*path).sampler, (*path).vertex, SURFACE_SETS + number);
+        return stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + number);
     }
     return independent((*path).sampler, (*path).vertex, number);
+}
+
+// Sets of numbers of a vertex that are the surface's: its choices, the light sample, the way on.
+fn surface_sets(flags: u32) -> u32 {
+    return select(3u, 2u, (flags & UNLIT) != 0u);
 }
 
 // Goes below the surface that the camera, or a path, sees.
@@ -339,15 +343,17 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
 fn scatter_at_matte_end(
     path: ptr<function, Path>,
     walk: ptr<function, Walk>,
+    probe: ptr<function, Probe>,
     met: ptr<function, Met>,
     light: ptr<function, Light>,
     shadow: ptr<function, Shadow>,
 ) {
     (*path).work = ENDED;
+    let is_probed = u32(tables[material_at((*walk).material) + BELOW_KIND]) == PROFILE_BELOW;
     let normal = (*met).normal * (*walk).side;
     let geometric = (*met).geometric * (*walk).side;
     let is_soft = head(CAUSTICS) == 0u;
-    let v = stratified((*path).sampler, (*path).vertex, SURFACE_SETS + WALK_SETS + 1u);
+    let v = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + WALK_SETS + 1u);
     let wi = sample_cosine(v.xy);
     let drawn = normalize(frame_of(normal) * wi);
     for (var k = 0u; k < 2u; k += 1u) {
@@ -356,7 +362,10 @@ fn scatter_at_matte_end(
         if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || (k == 0u && (*light).kind == NO_LIGHT)) {
             continue;
         }
-        let weight = entry_weight((*met).surface, min(cosine, 1.0));
+        var weight = entry_weight((*met).surface, min(cosine, 1.0));
+        if (is_probed) {
+            weight *= directional_weight(probe, met, normal, kernel_of((*walk).material), direction);
+        }
         let density = cosine * INVERSE_PI;
         if (k == 0u) {
             set_light(path, shadow, weighed(light, weight_of(light, density)) * weight * density * (*path).throughput);

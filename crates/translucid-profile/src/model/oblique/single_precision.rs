@@ -58,6 +58,15 @@ impl ObliqueDiffusionTable {
         Ok(Self { eta, parameterization, configuration, means: means_above(least) })
     }
 
+    /// The table for a shader: 1 for a searchlight, 1 for a diffuse mean free path, three means of the energy's functions, η.
+    #[doc(hidden)]
+    pub fn words(&self) -> [f32; 6] {
+        let is_searchlight = u8::from(self.configuration == Configuration::Searchlight);
+        let is_dmfp = u8::from(self.parameterization == Parameterization::Dmfp);
+        let [a, b, c] = self.means;
+        [is_searchlight.into(), is_dmfp.into(), a, b, c, self.eta].map(|word: f64| word as f32)
+    }
+
     /// The profiles of a surface albedo A ∈ \[0, 1\] and a length \[L\].
     ///
     /// The albedo is clamped to \[0, 1\], with a diffuse mean free path below 1, and the length to \[1e-18, 1e18\]; NaN

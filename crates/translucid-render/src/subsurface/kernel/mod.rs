@@ -100,6 +100,28 @@ impl SubsurfaceKernel {
         self.has_any_shape.then(|| self.radial.surface_albedos())
     }
 
+    /// The kernel for a device: whether directions count, six words of those, the brightest surface albedo of their shape,
+    /// whether surface albedos and lengths are its own, and these; three words of `axes`, then the number of rows and the
+    /// [words](AlbedoTableF32::words) of the profile, cut so that no more than `tail` of its energy is outside.
+    ///
+    /// `None` for the directional dipole, which devices lack.
+    pub(crate) fn words(&self, tail: f32, axes: [f32; 3]) -> Option<Vec<f32>> {
+        let mut words = match &self.angular {
+            Angular::Nothing => vec![0.0; 7],
+            Angular::Oblique(table) => [&[1.0][..], &table.words()].concat(),
+            Angular::Dipole(_) => return None,
+        };
+        let nothing = Subsurface { surface_albedo: Vec3::ZERO, length: Vec3::ZERO };
+        let own = self.own.unwrap_or(nothing);
+        words.extend([self.brightest, f32::from(u8::from(self.own.is_some()))]);
+        words.extend(own.surface_albedo.to_array());
+        words.extend(own.length.to_array());
+        words.extend(axes);
+        words.push(self.radial.surface_albedos().len() as f32);
+        words.extend(self.radial.words(tail));
+        Some(words)
+    }
+
     /// The directional part of an exit point's parameters.
     pub(crate) fn directions(&self, subsurface: &Subsurface) -> Directions<'_> {
         let Subsurface { surface_albedo, length } = *subsurface;

@@ -1,0 +1,248 @@
+// Probes for the entry points of light that leaves at a point: `subsurface/transport/probes` of the renderer, a hit at a time.
+//
+// A probe is a segment along one of three axes. Its hits come in their order, each by a ray of its own: first their weights are
+// summed up, then they are gone through again to the one that stands for all.
+
+// Part of a probe's length within which two hits that face the same way are one.
+const SAME_PLACE = 1e-6;
+// |n · axis| below which a hit is left out: its density would be rounding noise.
+const GRAZING = 1e-6;
+// Axes, and the number of none.
+const AXIS_COUNT = 3u;
+const NO_AXIS = 0xffffffffu;
+
+// Goes below the surface that the camera, or a path, sees.
+fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>) {
+    (*path).work = PROBE_NEXT;
+    (*path).hit_triangle = NO_TRIANGLE;
+    var probe: Probe;
+    probe.exit = (*met).position;
+    probe.normal = (*met).geometric;
+    probe.surface_albedo = (*met).surface.surface_albedo;
+    probe.length = (*met).length;
+    probe.axis = NO_AXIS;
+    probe.first_axis = NO_AXIS;
+    probe.triangle = NO_TRIANGLE;
+    probe.goal = -1.0;
+    slots[slot].probe = probe;
+    slots[slot].walk.group = (*met).group;
+    slots[slot].walk.material = (*met).material;
+    slots[slot].walk.side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+}
+
+fn axis_of(frame: mat3x3f, axis: u32) -> vec3f {
+    return select(select(frame[2], frame[1], axis == 1u), frame[0], axis == 0u);
+}
+
+// A hit of a probe, or none: weighs it, and sets the next ray.
+fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u32) {
+    let scatters = (*probe).length > vec3f(0.0);
+    let albedo = select(vec3f(0.0), (*probe).surface_albedo, scatters);
+    var shares = albedo * (*path).throughput;
+    let all = sum(shares);
+    (*path).work = ENDED;
+    if (!(all > 0.0 && all < NEVER)) {
+        return;
+    }
+    shares /= all;
+    // Channels that do not scatter have the profile of the first that does
+    let first = select(select(2u, 1u, scatters.y), 0u, scatters.x);
+    var profiles: array<Profile, 3>;
+    var within: array<vec2f, 3>;
+    for (var c = 0u; c < 3u; c += 1u) {
+        let from_channel = select(first, c, scatters[c]);
+        profiles[c] = profile_of(kernel, (*probe).surface_albedo[from_channel], (*probe).length[from_channel]);
+        within[c] = profile_at(profiles[c], profiles[c].longest).yz;
+    }
+    let axes = table_color(kernel + AXES);
+    let frame = frame_of((*probe).normal);
+    if ((*path).hit_triangle == NO_TRIANGLE) {
+        next_probe(path, probe, &profiles, &within, shares, axes, frame);
+        return;
+    }
+
+    // Weight of the hit: R over the density of all axes and channels, which have the projected distances
+    let triangle = (*path).hit_triangle;
+    let before = (*probe).triangle;
+    let normal = geometric_normal(triangle);
+    let is_near = before != NO_TRIANGLE && (*path).hit_t - (*probe).t <= SAME_PLACE * (*probe).t_max;
+    (*probe).t = (*path).hit_t;
+    (*probe).triangle = triangle;
+    (*path).work = PROBE_RAY;
+    if (abs(dot(axis_of(frame, (*probe).axis), normal)) < GRAZING) {
+        return;
+    }
+    if (is_near && dot(normal, geometric_normal(before)) > 0.999) {
+        return;
+    }
+    let b = (*path).hit;
+    let a = corner(triangle, 0u);
+    let position = a * (1.0 - b.x - b.y) + corner(triangle, 1u) * b.x + corner(triangle, 2u) * b.y;
+    let offset = to_local(frame, position - (*probe).exit);
+    let cosines = axes * abs(to_local(frame, normal));
+    let distance = length(offset);
+    let squares = offset * offset;
+    let projected = max(sqrt(squares.yzx + squares.zxy), vec3f(distance * 1e-6));
+    let radii = vec4f(projected, distance);
+    var density = 0.0;
+    var value = vec3f(0.0);
+    for (var k = 0u; k < 4u; k += 1u) {
+        var densities = vec3f(0.0);
+        for (var c = 0u; c < 3u; c += 1u) {
+            if (distance <= profiles[c].longest) {
+                densities[c] = profile_at(profiles[c], radii[k]).x / min(within[c].x + within[c].y, 1.0);
+            }
+        }
+        if (k < 3u) {
+            density += cosines[k] * select(1.0, distance / radii[k], distance > 0.0) * dot(shares, densities);
+        } else {
+            value = albedo * densities;
+        }
+    }
+    if (!(density > 0.0)) {
+        return;
+    }
+    let weight = value / density;
+    let importance = dot(weight, (*path).throughput);
+    if ((*probe).goal < 0.0) {
+        (*probe).sum += importance;
+        if (importance > 0.0 && (*probe).first_axis == NO_AXIS) {
+            (*probe).first_axis = (*probe).axis;
+        }
+        return;
+    }
+    // The hit at which the running sum passes the goal stands for all of them
+    (*probe).goal -= importance;
+    if ((*probe).goal < 0.0) {
+        (*path).throughput *= weight * ((*probe).sum / importance);
+        (*path).work = PROBE_END;
+    }
+}
+
+// The ray of the next axis that is probed; from the first axis with light again once all are summed up.
+fn next_probe(
+    path: ptr<function, Path>,
+    probe: ptr<function, Probe>,
+    profiles: ptr<function, array<Profile, 3>>,
+    within: ptr<function, array<vec2f, 3>>,
+    shares: vec3f,
+    axes: vec3f,
+    frame: mat3x3f,
+) {
+    (*path).work = ENDED;
+    var axis = (*probe).axis + 1u;
+    // All axes once more, at the most
+    for (var k = 0u; k < 2u * AXIS_COUNT; k += 1u) {
+        if (axis >= AXIS_COUNT) {
+            let all = (*probe).sum;
+            if ((*probe).goal >= 0.0 || !(all > 0.0 && all < NEVER)) {
+                return;
+            }
+            // The last axis has the number by which a hit is picked
+            (*probe).goal = (*probe).pick * all;
+            axis = (*probe).first_axis;
+        }
+        let u = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + axis);
+        (*probe).pick = u.w;
+        if (u.x < axes[axis]) {
+            var place = u.x / axes[axis];
+            var c = 2u;
+            if (place < shares.x) {
+                c = 0u;
+            } else if (place - shares.x < shares.y) {
+                c = 1u;
+            } else if (shares.z <= 0.0) {
+                c = select(0u, 1u, shares.y > 0.0);
+            }
+            if (set_segment(path, probe, (*profiles)[c], (*within)[c], u.yz, axis, frame)) {
+                return;
+            }
+        }
+        axis += 1u;
+    }
+}
+
+// The segment of a probe, inside the ball of its channel, and near the scene: false where there is nothing to meet.
+fn set_segment(
+    path: ptr<function, Path>,
+    probe: ptr<function, Probe>,
+    profile: Profile,
+    within: vec2f,
+    u: vec2f,
+    axis: u32,
+    frame: mat3x3f,
+) -> bool {
+    let radius = profile_sample(profile, within, u.x);
+    let half_way = sqrt(max(profile.longest - radius, 0.0)) * sqrt(profile.longest + radius);
+    let around = circle_at(u.y) * radius;
+    let across = axis_of(frame, (axis + 1u) % 3u) * around.x + axis_of(frame, (axis + 2u) % 3u) * around.y;
+    let center = (*probe).exit + across;
+    let direction = -axis_of(frame, axis);
+    let middle = dot(table_color(MIDDLE) - center, direction);
+    let reach = tables[DIAGONAL];
+    let start = max(-half_way, middle - reach);
+    let end = min(half_way, middle + reach);
+    (*path).origin = center + direction * start;
+    (*path).direction = direction;
+    (*path).work = PROBE_RAY;
+    (*probe).t_max = end - start;
+    (*probe).t = 0.0;
+    (*probe).triangle = NO_TRIANGLE;
+    (*probe).axis = axis;
+    return start < end;
+}
+
+// Factor on light that enters from a direction: the profile of oblique light over the radial one, by which entry points are
+// found. Terms are those that exports have.
+fn directional_weight(probe: ptr<function, Probe>, met: ptr<function, Met>, normal: vec3f, kernel: u32, toward: vec3f) -> vec3f {
+    if (tables[kernel + DIRECTIONS] == 0.0) {
+        return vec3f(1.0);
+    }
+    oblique_means = table_color(kernel + OBLIQUE_MEANS);
+    oblique_is_searchlight = tables[kernel + IS_SEARCHLIGHT] > 0.0;
+    let cos_outside = min(dot(toward, normal), 1.0);
+    let onward = cos_outside * normal - toward;
+    let sin_outside = length(onward);
+    let sin_inside = sin_outside / tables[kernel + REFRACTION_ETA];
+    if (!(cos_outside > 0.0 && sin_inside < 1.0)) {
+        return vec3f(0.0);
+    }
+    let cos_inside = sqrt((1.0 - sin_inside) * (1.0 + sin_inside));
+    let offset = (*probe).exit - (*met).position;
+    let r = length(offset);
+    let versine = 1.0 - share_of(dot(offset, onward), r * sin_outside);
+    let rise = share_of(dot(offset, normal), r);
+    var factor = vec3f(0.0);
+    for (var c = 0u; c < 3u; c += 1u) {
+        let albedo = min((*probe).surface_albedo[c], tables[kernel + BRIGHTEST]);
+        var mfp = (*probe).length[c];
+        if (!(mfp > 0.0 && albedo > 0.0)) {
+            continue;
+        }
+        let radial = albedo * profile_at(profile_of(kernel, albedo, mfp), r).x;
+        if (tables[kernel + IS_DMFP] > 0.0) {
+            mfp = refined_mfp_from_dmfp(min(albedo, 0.9999999), mfp);
+        }
+        let terms = oblique_terms(albedo, mfp, cos_inside);
+        let weights = vec4f(terms.weight_a, terms.weight_b, terms.weight_c, terms.weight_d);
+        let rates = vec4f(terms.rate_a, terms.rate_b, terms.rate_c, terms.rate_d);
+        let sines = vec4f(terms.sine_a, terms.sine_b, terms.sine_c, terms.sine_d);
+        let cosines = vec4f(terms.cosine_a, terms.cosine_b, terms.cosine_c, terms.cosine_d);
+        // Off the plane each term's density of the azimuth has the eccentricity of the part along it
+        let lifted = sqrt(cosines * cosines + sines * sines * (rise * rise));
+        let around = lifted / (cosines * cosines / (1.0 + sines) + sines * versine);
+        let value = dot(weights * rates, exp(-min(rates * r, vec4f(80.0))) * around) * terms.total;
+        if (radial > 0.0 && value < NEVER * radial) {
+            factor[c] = value / radial;
+        }
+    }
+    return factor;
+}
+
+// Part of a whole, in [-1, 1]; 0 at the entry, and for light along the normal.
+fn share_of(part: f32, whole: f32) -> f32 {
+    if (!(whole > 0.0)) {
+        return 0.0;
+    }
+    return clamp(part / whole, -1.0, 1.0);
+}
