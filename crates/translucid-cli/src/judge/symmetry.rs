@@ -144,7 +144,7 @@ mod tests {
             (45.0, 0.1),
             (250.0, 0.2),
         ] {
-            let (sin, cos) = libm::sincos(f64::to_radians(degrees));
+            let (sin, cos) = f64::to_radians(degrees).sin_cos();
             let center = [60.0 + offset, 50.0 + offset];
             let light = |x: usize, y: usize| {
                 let d = (x as f64 + 0.5 - center[0]) * cos + (y as f64 + 0.5 - center[1]) * sin;

@@ -251,7 +251,8 @@ impl Case {
         [SEED, SEED + 1].map(|seed| {
             let orders = OrderBins::new(1.0 / 64.0).expect("a growth in range");
             let layout = Layout::with_order_bins(&radii(), 1, orders).expect("radii that rise");
-            let mut table = WhiteTable::new(problem, layout, reference_albedo).expect("an albedo in range");
+            let mut table =
+                WhiteTable::new(problem.clone(), layout, reference_albedo).expect("an albedo in range");
             table.run(seed, photons, &Control::default()).expect("few photons");
             table
         })

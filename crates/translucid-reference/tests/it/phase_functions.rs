@@ -73,10 +73,6 @@ fn walk_agrees_with_the_solution_by_moments() {
         let entering = 1.0 - translucid_reference::specular_reflectance(Incidence::NORMAL, eta);
         let judge = |what: &str, found: f64, error: f64, expected: f64, doubt: f64| {
             let z = (found - expected) / error.hypot(doubt);
-            println!(
-                "{} eta {eta} {what}: walk {found:.6} ± {error:.6}, solution {expected:.6} ± {doubt:.6}, z {z:.2}",
-                walk.name()
-            );
             assert!(z.abs() < 4.5, "{walk:?} {what}: {found} {expected}, z = {z}");
         };
         let (total, totals) = (at.total(Side::Reflected), layers.totals(Incidence::NORMAL).unwrap());
@@ -109,6 +105,5 @@ fn gamma_orders_light_near_the_source() {
         table.at_albedo(ALBEDO).unwrap().at_radius(Side::Reflected, r).unwrap().reflectance
     });
     let z = (small.value - great.value) / small.error.hypot(great.error);
-    println!("{small:?}, {great:?}, z {z:.1}");
     assert!(z > 5.0, "{small:?} {great:?}");
 }

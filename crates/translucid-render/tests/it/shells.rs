@@ -368,7 +368,7 @@ struct Medium {
 impl From<Layer> for Medium {
     fn from(layer: Layer) -> Self {
         let sigma_t = layer.extinction();
-        Self { sigma_t, alpha: layer.scattering / sigma_t.max(1e-300), g: layer.deflection.moment(1) }
+        Self { sigma_t, alpha: layer.scattering / sigma_t.max(1e-300), g: layer.phase_function.moment(1) }
     }
 }
 
