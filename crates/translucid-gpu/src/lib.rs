@@ -16,7 +16,10 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+// In a browser a page's script drives devices, with the program alone.
+#[cfg(not(target_family = "wasm"))]
 mod choice;
+#[cfg(not(target_family = "wasm"))]
 mod description;
 #[cfg(feature = "device")]
 mod device;
@@ -28,7 +31,9 @@ pub mod program;
 #[cfg(test)]
 mod twin;
 
+#[cfg(not(target_family = "wasm"))]
 pub use choice::{Choice, devices};
+#[cfg(not(target_family = "wasm"))]
 pub use description::DeviceDescription;
 #[cfg(feature = "device")]
 pub use device::Gpu;

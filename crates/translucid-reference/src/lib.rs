@@ -33,9 +33,11 @@ mod incidence;
 pub mod layers;
 #[cfg(not(target_family = "wasm"))]
 pub mod mcml;
-#[cfg(not(target_family = "wasm"))]
+#[cfg_attr(
+    target_family = "wasm",
+    allow(dead_code, reason = "of phase functions, layers need the moments alone")
+)]
 mod phase_function;
-#[cfg(not(target_family = "wasm"))]
 mod phase_table;
 #[cfg(not(target_family = "wasm"))]
 mod ray;
@@ -43,13 +45,6 @@ mod ray;
 mod split_mix;
 #[cfg(not(target_family = "wasm"))]
 pub mod walk;
-#[cfg(target_family = "wasm")]
-#[allow(dead_code, unreachable_pub, reason = "of walks, layers need the phase functions alone")]
-mod walk {
-    mod problem;
-
-    pub use problem::PhaseFunction;
-}
 
 pub use estimate::Estimate;
 pub use incidence::{Incidence, specular_reflectance};
