@@ -50,6 +50,7 @@ byId("scattering").onchange = changed;
 
 // A scene as usual, whose surfaces are white: the picture of it is the irradiance over π
 const renderer = new THREE.WebGLRenderer();
+// Four pixels for each that is shown, which smooths edges and noise; `?ratio=1` is faster
 renderer.setPixelRatio(Number(new URLSearchParams(location.search).get("ratio") ?? 2));
 renderer.shadowMap.enabled = true;
 renderer.toneMapping = THREE.AgXToneMapping;
@@ -73,7 +74,8 @@ const rim = new THREE.DirectionalLight(0xa8c4ff, 2.2);
 rim.position.set(-80, 30, -60);
 scene.add(key, rim, new THREE.HemisphereLight(0xbfd2ff, 0x2a2018, 0.35));
 
-const target = (options) => new THREE.WebGLRenderTarget(1, 1, { type: THREE.HalfFloatType, magFilter: THREE.NearestFilter, ...options });
+const target = (options) =>
+    new THREE.WebGLRenderTarget(1, 1, { type: THREE.HalfFloatType, magFilter: THREE.NearestFilter, ...options });
 const [irradiance, normal] = [target({ depthTexture: new THREE.DepthTexture(1, 1, THREE.FloatType) }), target()];
 
 // The pass; before it stands what `exportText` writes
