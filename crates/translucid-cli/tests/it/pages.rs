@@ -242,8 +242,9 @@ fn files_that_pages_name_are_there() {
     let mut wrong = Vec::new();
     for page in &pages {
         for (line, span) in page.code_spans() {
-            let is_path =
-                ["crates/", "benches/", "scenes/", "python/"].iter().any(|folder| span.starts_with(folder));
+            let is_path = ["crates/", "benches/", "scenes/", "python/", "examples/"]
+                .iter()
+                .any(|folder| span.starts_with(folder));
             if is_path && !span.contains([' ', '*']) && !root().join(&span).exists() {
                 wrong.push(format!("{}:{line}: {span}", page.path.display()));
             }

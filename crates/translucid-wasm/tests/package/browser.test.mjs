@@ -1,4 +1,5 @@
-// The package in a browser: exports in shaders of three.js and in bare WebGPU and WebGL, on a device without hardware.
+// The package in a browser: exports in shaders of three.js and in bare WebGPU and WebGL, and examples/three, on a device
+// without hardware.
 //
 // CHROMIUM is a browser (/usr/bin/chromium where it is not said).
 
@@ -12,7 +13,9 @@ import { chromium } from "playwright-core";
 
 import { forThree } from "./guide.mjs";
 
-const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm" };
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
+const ROOT = join(import.meta.dirname, "../../../..");
+const EXAMPLE = "/examples/three/";
 const PAGE = `<!doctype html><title>translucid</title><script type="importmap">{ "imports": {
     "translucid": "/translucid/translucid.js",
     "three/webgpu": "/three/build/three.webgpu.js",
@@ -27,7 +30,10 @@ const server = createServer(async (request, response) => {
         if (path === "/example.js") {
             return response.setHeader("content-type", TYPES[".js"]).end(`${forThree}\nexport { material };`);
         }
-        const bytes = await readFile(join(import.meta.dirname, "node_modules", path));
+        // The example has the packages of these tests
+        const isOfRoot = /^\/(examples|scenes)\//.test(path) && !path.startsWith(`${EXAMPLE}node_modules/`);
+        const packages = join(import.meta.dirname, "node_modules", path.replace(`${EXAMPLE}node_modules`, ""));
+        const bytes = await readFile(isOfRoot ? join(ROOT, path) : packages);
         response.setHeader("content-type", TYPES[extname(path)] ?? "text/plain").end(bytes);
     } catch {
         response.writeHead(404).end();
@@ -54,12 +60,18 @@ after(async () => {
     await browser.close();
     server.close();
 });
-const page = await browser.newPage();
-page.setDefaultTimeout(60_000);
 const complaints = [];
-page.on("pageerror", (error) => complaints.push(error.message));
-page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
-await page.goto(`http://127.0.0.1:${server.address().port}/`);
+
+/** Opens a page whose complaints are kept. */
+async function open(path, options) {
+    const page = await browser.newPage(options);
+    page.setDefaultTimeout(60_000);
+    page.on("pageerror", (error) => complaints.push(error.message));
+    page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+    await page.goto(`http://127.0.0.1:${server.address().port}${path}`);
+    return page;
+}
+const page = await open("/");
 await page.evaluate(async () => (await import("translucid")).default());
 
 /** Greatest relative difference. */
@@ -169,4 +181,42 @@ test("GLSL texts compile in WebGL 2", async () => {
     assert.deepEqual(faults, []);
 });
 
-test("the page complains of nothing", () => assert.deepEqual(complaints, []));
+test("in examples/three light goes beyond the edges of shadows, the farther the longer the mean free path", async () => {
+    const example = await open(`${EXAMPLE}index.html?ratio=1`, { viewport: { width: 500, height: 260 } });
+    /** Linear values of red, pixel by pixel, once the page has drawn what `act` asks for. */
+    const drawn = async (act) => {
+        await act();
+        await example.waitForFunction(() => document.body.dataset.drawn);
+        const png = (await example.locator("#view").screenshot()).toString("base64");
+        return example.evaluate(async (png) => {
+            delete document.body.dataset.drawn;
+            const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+            const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+            context.drawImage(image, 0, 0);
+            const { data } = context.getImageData(0, 0, image.width, image.height);
+            return Array.from({ length: data.length / 4 }, (_, i) => (data[4 * i] / 255) ** 2.2);
+        }, png);
+    };
+    const slide = (mfp) => () =>
+        example.locator("#mfp input").evaluateAll((inputs, mfp) => {
+            for (const input of inputs) {
+                input.value = Math.log10(mfp);
+                input.dispatchEvent(new Event("input"));
+            }
+        }, mfp);
+    await drawn(() => example.selectOption("#preset", "marble"));
+    const [short, long] = [await drawn(slide(0.3)), await drawn(slide(3))];
+    const none = await drawn(() => example.uncheck("#scattering"));
+    assert.equal(await example.textContent("#message"), "");
+
+    // Pixels of the bust, since the background is the same in all pictures, that are dark without scattering
+    const isOfBust = (i) => none[i] !== short[i] || none[i] !== long[i];
+    const dark = none.flatMap((light, i) => (light < 0.03 && isOfBust(i) ? [i] : []));
+    const mean = (picture) => dark.reduce((sum, i) => sum + picture[i], 0) / dark.length;
+    const found = [none, short, long].map(mean);
+    console.log(`in ${dark.length} dark pixels: ${found.map((light) => light.toFixed(4)).join(", ")}`);
+    assert.ok(dark.length > 100 && found[1] > 1.2 * found[0] && found[2] > 1.5 * found[1], `${found}`);
+    await example.close();
+});
+
+test("the pages complain of nothing", () => assert.deepEqual(complaints, []));
