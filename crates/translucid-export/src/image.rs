@@ -159,10 +159,10 @@ mod tests {
     #[test]
     fn png_states_linear_values() {
         let bytes = encode(&Table::of_curvatures(&table()), ImageFormat::Png).unwrap();
-        let chunks = |name: &[u8]| bytes.windows(4).filter(|four| *four == name).count();
-        assert_eq!([chunks(b"gAMA"), chunks(b"sRGB"), chunks(b"cHRM"), chunks(b"iCCP")], [1, 0, 0, 0]);
-        let at = bytes.windows(4).position(|four| four == b"gAMA").unwrap() + 4;
-        assert_eq!(bytes[at..at + 4], 100_000_u32.to_be_bytes());
+        let has = |part: &[u8]| bytes.windows(part.len()).any(|window| window == part);
+        // Its length, name and content
+        assert!(has(&[&[0, 0, 0, 4], &b"gAMA"[..], &100_000_u32.to_be_bytes()].concat()));
+        assert!(!has(b"\0\0\0\x01sRGB") && !has(b"cHRM") && !has(b"iCCP"));
         let note = String::from_utf8_lossy(&bytes);
         assert!(note.contains("linear (gAMA 1): import it as linear data"), "{note}");
     }

