@@ -91,14 +91,14 @@ fn processor_takes_the_place_of_a_preferred_device() {
     integrator.subsurface_method = SubsurfaceMethod::PointBased;
     session.edit(Edit::Integrator(integrator)).unwrap();
     assert!(middle(&mut session) < 1.0);
-    assert!(session.refusal().unwrap().contains("point-based"), "{:?}", session.refusal());
+    assert!(session.refusal().unwrap().contains("ray-traced"), "{:?}", session.refusal());
     session.edit(Edit::Integrator(plain)).unwrap();
     assert_eq!((middle(&mut session), session.refusal()), (7.0, None));
 
     // One that is required refuses, and the session stays as it was
     session.edit(Edit::Integrator(integrator)).unwrap();
     let error = session.set_device(Some(OnDevice::required(device.clone()))).unwrap_err();
-    assert!(error.to_string().contains("point-based"), "{error}");
+    assert!(error.to_string().contains("ray-traced"), "{error}");
     assert!(middle(&mut session) < 1.0);
 }
 
