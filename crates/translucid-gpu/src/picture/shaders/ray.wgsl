@@ -116,8 +116,8 @@ fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u3
                 }
                 let found = intersected(triangle, ray, best.t);
                 // Those at the same distance come by their numbers
-                let is_nearer = found.x < best.t || found.x < NEVER && (!best.is_hit || triangle < best.triangle);
-                let is_behind = found.x > after.t || found.x == after.t && triangle > after.triangle;
+                let is_nearer = found.x < best.t || (found.x < NEVER && (!best.is_hit || triangle < best.triangle));
+                let is_behind = found.x > after.t || (found.x == after.t && triangle > after.triangle);
                 if (is_nearer && is_behind) {
                     best = Hit(found.x, found.yz, triangle, true);
                     if (any) {

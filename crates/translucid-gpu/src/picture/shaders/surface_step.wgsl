@@ -14,7 +14,7 @@ fn meet(path: ptr<function, Path>, found: ptr<function, Found>, met: ptr<functio
     var radiance = vec3f(0.0);
     // Density with which lights are sampled for what it has met
     var pdf = 0.0;
-    var odds = LightOdds(0.0, 0.0);
+    var odds: LightOdds;
     if ((*path).mis_pdf < NEVER) {
         odds = light_odds((*path).mis_point, (*path).mis_normal);
     }
