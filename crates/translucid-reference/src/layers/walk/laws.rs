@@ -385,7 +385,7 @@ fn walks_without_meaning_are_refused() {
         (plain.clone(), Grid { nr: 0, ..GRID }, 1, "nr is 0"),
         (plain.clone(), Grid { dz: f64::NAN, ..GRID }, 1, "dz is NaN"),
         (plain.clone(), Grid { nz: usize::MAX, ..GRID }, 1, "nr (nz + 2 na) is"),
-        (plain.clone().with_moments(vec![0.9]), GRID, 1, "4 pi times the phase function"),
+        (plain.clone().with_moments(vec![0.3334]), GRID, 1, "4 pi times the phase function"),
         (Layer::new(1e-20, 0.0, 1.0), GRID, 1, "extinction is"),
         (Layer::new(1.0, 0.0, 1e-20), GRID, 1, "thickness is"),
     ] {
