@@ -12,7 +12,7 @@ import init, * as translucid from "translucid";
 
 import { forNode } from "./guide.mjs";
 
-const { HalfSpace, Profile, TranslucidError, convert, exportText } = translucid;
+const { HalfSpace, Profile, TranslucidError, convert, exportText, slab } = translucid;
 const COMMAND = process.env.TRANSLUCID ?? "translucid";
 const PLACE = new URL(import.meta.resolve("translucid/translucid.wasm"));
 /** Most bytes of the module that travel. */
