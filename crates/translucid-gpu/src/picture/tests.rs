@@ -175,7 +175,7 @@ fn surfaces_have_the_means_of_the_processor() {
 /// Software takes minutes for each: the boundaries but the first wait for the whole power of tests.
 #[test]
 fn walks_have_the_means_of_the_processor() {
-    let is_thorough = translucid_testing::power(16) == 16;
+    let is_thorough = translucid_testing::is_thorough();
     let surfaces = if is_thorough { &WalkSurface::ALL[..] } else { &WalkSurface::ALL[..1] };
     for &surface in surfaces {
         let mut scene = scene(wax(surface), matte());
