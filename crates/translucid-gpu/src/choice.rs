@@ -37,7 +37,7 @@ impl Choice<Arc<dyn TracingDevice>> {
         Self::of(name, "traces", open_tracer)
     }
 
-    /// What a session or a page renders with: a device that was left to us gives way where it cannot take a scene.
+    /// The device for a session or a page: one that was left to us gives way where it cannot take a scene.
     pub fn on_device(&self) -> Option<OnDevice> {
         let kind = if self.note.is_some() { OnDevice::preferred } else { OnDevice::required };
         self.device.clone().map(kind)

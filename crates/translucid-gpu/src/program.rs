@@ -70,7 +70,7 @@ pub const KERNELS: [(&str, u32); 9] = [
 pub const SLOT_BYTES: u64 = 1088;
 /// Counters before the lists of slots.
 pub const COUNTERS: u64 = 10;
-/// Those of them that count the lists' slots.
+/// Numbers of the counters that count the lists' slots.
 pub const LIST_COUNTERS: Range<u64> = 2..10;
 /// Words of a sample.
 pub const SAMPLE_WORDS: usize = 20;

@@ -55,7 +55,7 @@ impl PhaseFunction {
     pub const ISOTROPIC: Self = Self::HenyeyGreenstein { g: 0.0 };
     /// Names of the kinds.
     pub const KINDS: [&'static str; 5] = ["henyey-greenstein", "rayleigh", "two-term", "moments", "table"];
-    /// What [`parse`](Self::parse) reads.
+    /// The forms that [`parse`](Self::parse) reads, in words.
     pub const WORDS: [&'static str; 4] =
         ["henyey-greenstein", "rayleigh", "two-term:W,G1,G2", "moments:X1,X2,..."];
 

@@ -79,7 +79,7 @@ fn tables_are_of_a_material() {
     }
 }
 
-/// The same diffuse mean free path is another mean free path by configuration and by fit: the head says which is meant.
+/// Heads of exports say which mean free path is meant: a diffuse one is another by configuration and by fit.
 #[test]
 fn diffuse_lengths_say_which_mean_free_paths_they_mean() {
     let words = "export --to c --what profile --surface-albedo 0.8,0.8,0.5 --dmfp 6,3,6";

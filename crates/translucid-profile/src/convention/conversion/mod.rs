@@ -139,7 +139,7 @@ impl Conversion<'_> {
     /// comes from; and the shares of their light that the change of color space leaves at another radius.
     ///
     /// # Errors
-    /// Those of [`run`](Self::run), as far as they concern the material.
+    /// The errors of [`run`](Self::run), as far as they concern the material.
     pub fn material(&self) -> Result<(Vec<Channel>, Vec<ConvertedNumber>), InputError> {
         Setting::require_different(self.names.from, self.from)?;
         let (channels, shares) = self.mixed_channels()?;
