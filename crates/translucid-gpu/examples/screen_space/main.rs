@@ -28,7 +28,8 @@ use draw::{Canvas, Frame, View};
 
 /// Surface albedos and mean free paths of the disk; `translucid judge` is told them.
 const DISK: ([f64; 3], [f64; 3]) = ([0.9, 0.6, 0.4], [0.5, 0.35, 0.25]);
-/// Mean free paths of marble by Jensen and others (2001), in centimeters, four times as long: the bust is small on the screen.
+/// Surface albedos and mean free paths of marble by Jensen and others (2001), in centimeters, four times as long: the bust is
+/// small on the screen.
 const MARBLE: ([f64; 3], [f64; 3]) = ([0.931, 0.913, 0.894], [0.18, 0.15, 0.13]);
 /// Pixels along a side of the plane's picture and of the bust's.
 const SIZES: [u32; 2] = [192, 512];

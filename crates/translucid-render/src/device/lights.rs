@@ -130,7 +130,7 @@ fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
         }
     }
     let tree = set.selection.tree().filter(|(tree, apart)| {
-        apart.len() <= MOST_WEIGHED && tree.lanes().len() * LANE_WORDS <= MOST_TREE_WORDS
+        apart.len() <= MOST_WEIGHED && tree.lane_count() * LANE_WORDS <= MOST_TREE_WORDS
     });
     let way = if set.emitters.len() <= MOST_WEIGHED { WEIGHED } else { tree.map_or(BY_POWER, |_| BY_TREE) };
     let mut images = Vec::new();

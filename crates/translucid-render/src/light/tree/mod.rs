@@ -353,6 +353,11 @@ impl LightTree {
         self.nodes.iter().flat_map(|node| (0..WIDTH).map(move |index| lane(node, index))).collect()
     }
 
+    /// Number of the lanes of all nodes.
+    pub(crate) fn lane_count(&self) -> usize {
+        self.nodes.len() * WIDTH
+    }
+
     /// For each node the place of the lane that it is in, and for each light that of its lane, as node × `WIDTH` + lane; the
     /// greatest number where there is none.
     pub(crate) fn places(&self) -> (&[u32], &[u32]) {
