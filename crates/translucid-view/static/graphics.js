@@ -59,7 +59,8 @@ export class Graphics {
         const [, side, items, hasScene] = words;
         const settings = words.slice(JOB, JOB + this.#program.settings);
         // Paths at a time
-        settings[30] = this.#slots;
+        const slots = Math.min(this.#slots, items);
+        settings[30] = slots;
         if (hasScene) this.#take(side, words.subarray(JOB + settings.length));
 
         const { queue } = this.#device;
@@ -76,7 +77,9 @@ export class Graphics {
             encoder.clearBuffer(states);
             encoder.clearBuffer(queues);
             queue.submit([encoder.finish()]);
-            while ((await this.#advance(group)) < items) {
+            let left = items;
+            while (left > 0) {
+                left = items - (await this.#advance(group, slots, left));
                 if (!isWanted()) return null;
             }
             const read = this.#buffer(bytes, MAP_READ | COPY_DST);
@@ -89,8 +92,8 @@ export class Graphics {
         }
     }
 
-    /** Rounds, and how many samples are done after them. */
-    async #advance(group) {
+    /** Rounds, and how many samples are done after them, of which so many were left: no list is longer than they allow. */
+    async #advance(group, slots, left) {
         const start = performance.now();
         const { counters, listCounters, mostRounds } = this.#program;
         const encoder = this.#device.createCommandEncoder();
@@ -98,10 +101,10 @@ export class Graphics {
             encoder.clearBuffer(this.#buffers.queues, 4 * listCounters[0], 4 * (listCounters[1] - listCounters[0]));
             const pass = encoder.beginComputePass();
             pass.setBindGroup(0, group);
-            for (const { pipeline, share } of this.#kernels) {
+            this.#kernels.forEach(({ pipeline, share }, kernel) => {
                 pass.setPipeline(pipeline);
-                pass.dispatchWorkgroups(Math.ceil((share * this.#slots) / 64));
-            }
+                pass.dispatchWorkgroups(Math.ceil((share * (kernel === 0 ? slots : Math.min(slots, left))) / 64));
+            });
             pass.end();
         }
         encoder.copyBufferToBuffer(this.#buffers.queues, 0, this.#buffers.counters, 0, 4 * counters);

@@ -154,19 +154,21 @@ impl Tracing {
         })
     }
 
-    /// Rounds, and how many samples are done after them.
-    fn advance(&mut self, group: &wgpu::BindGroup) -> Result<u32, String> {
+    /// Rounds by so many slots, and how many samples are done after them, of which so many were left: no list is longer than
+    /// they allow.
+    fn advance(&mut self, group: &wgpu::BindGroup, slots: u32, left: u32) -> Result<u32, String> {
         let start = Instant::now();
-        let Tracer { gpu, kernels, slots, .. } = &*self.tracer;
+        let Tracer { gpu, kernels, .. } = &*self.tracer;
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for _ in 0..self.rounds {
             let Range { start, end } = LIST_COUNTERS;
             encoder.clear_buffer(&self.queues, 4 * start, Some(4 * (end - start)));
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_bind_group(0, group, &[]);
-            for (kernel, share) in kernels {
+            for (number, (kernel, share)) in kernels.iter().enumerate() {
+                let longest = if number == 0 { slots } else { slots.min(left) };
                 pass.set_pipeline(kernel);
-                pass.dispatch_workgroups((share * slots).div_ceil(gpu.group()), 1, 1);
+                pass.dispatch_workgroups((share * longest).div_ceil(gpu.group()), 1, 1);
             }
         }
         encoder.copy_buffer_to_buffer(&self.queues, 0, &self.counters_read, 0, 4 * COUNTERS);
@@ -189,7 +191,8 @@ impl PathTracing for Tracing {
         use wgpu::BufferUsages as Usage;
         let gpu = &Arc::clone(&self.tracer).gpu;
         let items = (view.region().area() * numbers.len() as u64) as u32;
-        let words = settings(view, numbers.start, items, self.tracer.slots);
+        let slots = self.tracer.slots.min(items);
+        let words = settings(view, numbers.start, items, slots);
         let bytes = 4 * (items as usize * SAMPLE_WORDS) as u64;
         let samples = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
         let read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
@@ -200,13 +203,11 @@ impl PathTracing for Tracing {
         encoder.clear_buffer(&self.states, 0, None);
         encoder.clear_buffer(&self.queues, 0, None);
         gpu.queue.submit([encoder.finish()]);
-        loop {
-            let done = self.advance(&group)?;
+        let mut done = 0;
+        while done < items {
+            done = self.advance(&group, slots, items - done)?;
             progress(done.into());
-            if done == items {
-                break;
-            }
-            if stop.load(Ordering::Relaxed) {
+            if done < items && stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
         }
