@@ -147,7 +147,9 @@ impl MediumFit {
         let mfp = first.mfp().value;
         let weigh = |(sample, residual): (&Sample, &f64)| {
             let error = match errors {
-                Errors::Known => sample.error.hypot(MediumGrid::error(sample.r / mfp) * sample.reflectance),
+                Errors::Known => {
+                    libm::hypot(sample.error, MediumGrid::error(sample.r / mfp) * sample.reflectance)
+                }
                 Errors::Relative => {
                     let fitted = sample.reflectance + residual * sample.error;
                     fitted.clamp(0.5 * sample.reflectance, 2.0 * sample.reflectance)
@@ -174,7 +176,14 @@ impl MediumFit {
 
     fn descend(samples: &[Sample], errors: Errors, start: &[f64], solve: &Solve<'_>) -> Self {
         let problem = Problem::new(samples, solve);
-        let found = least_squares(LevenbergMarquardt::new().with_patience(20), start, &problem);
+        let descend =
+            |start: &[f64]| least_squares(LevenbergMarquardt::new().with_patience(20), start, &problem);
+        let mut found = descend(start);
+        if found.get(2).is_some_and(|gamma| within(*gamma) != *gamma) {
+            // A step went where γ has no effect any more: once more from the last place where it has
+            found[2] = within(found[2]);
+            found = descend(&found);
+        }
         let residuals = problem.residuals(&found);
         let chi_square = residuals.iter().map(|r| r * r).sum::<f64>();
         let degrees_of_freedom = samples.len() - start.len();

@@ -210,11 +210,12 @@ fn report(path: &Path, samples: &[Sample], errors: Errors, fits: &[Fit]) -> Stri
                 false => format!("  {name:<22}not determined\n"),
             };
         }
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            if let Some(correlations) = fit.correlations {
+        if let Some(correlations) = fit.correlations {
+            for (i, j) in [(0, 1), (0, 2), (1, 2)] {
                 let [one, other] = [i, j].map(|k: usize| half_space::CORRELATED[k]);
                 text += &format!("  correlation of {one} and {other}: {:.3}\n", correlations[i][j]);
             }
+            text += half_space::ASSUMPTION;
         }
     }
     text

@@ -116,7 +116,7 @@ fn medium_comes_back_with_its_gamma() {
     let near = samples(&radii(0.1, 8.0, 20), 1.0, 0.01, |r| profile.eval(r));
     for (samples, says) in [
         (&near[..3], "number of samples is 3, but must be in [4, 2000] with gamma"),
-        (&near, "gamma is 1.95, but must be in [1, 1.85]"),
+        (&near, "gamma is 1.95"),
         (&[&near[..], &[Sample { r: 40.0, ..near[19] }]].concat(), "r over the transport mean free path is"),
     ] {
         let message = fit(samples).unwrap_err().to_string();
@@ -144,7 +144,8 @@ fn other_phase_functions_shift_the_fit() {
             let without = MediumFit::new(&samples, Errors::Known, &isotropic).unwrap();
             let off = |fit: &MediumFit| {
                 let [a, s] = [fit.sigma_a().value / (1.0 - ALBEDO), fit.sigma_s().value / ALBEDO];
-                [a, s].map(|part| format!("{:+.0}", 100.0 * (part - 1.0))).join(" | ")
+                // No negative zero
+                [a, s].map(|part| format!("{:+}", (100.0 * (part - 1.0)).round() + 0.0)).join(" | ")
             };
             let (found, gamma) = (fit.gamma().unwrap(), phase_function.gamma());
             let shift = found.value - gamma;
