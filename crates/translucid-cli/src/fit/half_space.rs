@@ -1,5 +1,6 @@
 //! The half space that explains a table best.
 
+use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,7 +18,6 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::model::ConfigurationName;
 use crate::progress::{Meter, Unit};
-use crate::table::exact;
 
 /// A medium with what is printed of it.
 pub(super) struct HalfSpaceFit {
@@ -95,17 +95,21 @@ fn fit_with_gamma(
     errors: Errors,
 ) -> Result<Result<MediumFit, ParameterError>, Failure> {
     let evaluations = Evaluations::new(USUAL_PROFILES);
+    let fault = Cell::new(None);
     let node = |alpha: f64, gamma: f64| -> Box<dyn Fn(f64) -> Estimate> {
-        match evaluations.count(None, || profile(alpha, gamma, eta)) {
-            Some(profile) => Box::new(move |r| {
+        match evaluations.count(Ok(None), || profile(alpha, gamma, eta)) {
+            Ok(Some(profile)) => Box::new(move |r| {
                 let found = profile.reflectance(r);
                 Estimate { value: found.value, error: found.error }
             }),
-            None => Box::new(|_| Estimate { value: 0.0, error: 0.0 }),
+            other => {
+                fault.set(fault.take().or(other.err()));
+                Box::new(|_| Estimate { value: 0.0, error: 0.0 })
+            }
         }
     };
-    let fit = MediumFit::with_gamma(samples, errors, &MediumGrid::new(&node));
-    evaluations.finish(fit)
+    let fit = evaluations.finish(MediumFit::with_gamma(samples, errors, &MediumGrid::new(&node)))?;
+    fault.take().map_or(Ok(fit), |error| Err(Failure::work(error.to_string())))
 }
 
 /// The half space of a reduced single-scattering albedo and gamma, in transport mean free paths.
@@ -117,8 +121,8 @@ fn layers(alpha: f64, gamma: f64, eta: f64) -> Result<Layers, LayersError> {
     Layers::new(1.0, vec![layer.with_eta(eta)], Ground::None)
 }
 
-fn profile(alpha: f64, gamma: f64, eta: f64) -> Option<LayersProfile> {
-    layers(alpha, gamma, eta).and_then(|layers| layers.profile_within(TOLERANCE, &Control::default())).ok()?
+fn profile(alpha: f64, gamma: f64, eta: f64) -> Result<Option<LayersProfile>, LayersError> {
+    layers(alpha, gamma, eta)?.profile_within(TOLERANCE, &Control::default())
 }
 
 /// What a user must know of gamma, if anything.
@@ -126,8 +130,9 @@ fn warning(fit: &MediumFit) -> Option<String> {
     let Estimate { value, error } = fit.gamma()?;
     let [low, high] = MediumGrid::GAMMA;
     if !fit.gamma_is_determined() {
-        let error = exact((1e3 * error).round() / 1e3);
-        return Some(format!("gamma is not determined by these radii: its standard error is {error}"));
+        let of_error =
+            if error.is_finite() { format!(": its standard error is {error:.2}") } else { String::new() };
+        return Some(format!("gamma is not determined by these radii{of_error}"));
     }
     let is_inside = (low..=high).contains(&value);
     (!is_inside).then(|| format!("gamma is outside [{low}, {high}], where profiles are solved"))

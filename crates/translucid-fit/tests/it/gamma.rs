@@ -176,12 +176,10 @@ fn fits_agree_with_walks() {
         let pairs = [(fit.gamma().unwrap(), gamma), (fit.sigma_a(), 1.0 - alpha), (fit.sigma_s(), alpha)];
         for (found, truth) in pairs {
             let z = (found.value - truth) / found.error;
-            println!("{alpha} {gamma}: {found:?}, z = {z:.2}");
             assert!(z.abs() < 4.5, "{alpha} {gamma}: {found:?}, z = {z}");
         }
     }
     let (_, other) = &others()[1];
     let found = fit(0.95, other, 902).gamma().unwrap();
-    println!("{found:?} {}", other.gamma());
     assert!((found.value - other.gamma()).abs() < 0.06 + 4.5 * found.error, "{found:?} {}", other.gamma());
 }
