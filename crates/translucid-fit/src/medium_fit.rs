@@ -106,7 +106,8 @@ impl MediumFit {
         }
         if let Some(Estimate { value, error }) = fit.gamma().filter(|_| fit.gamma_is_determined()) {
             let [low, high] = MediumGrid::GAMMA;
-            let farthest = (3.0 * error).min(0.99 * BEYOND);
+            // At least what the grid's own error does to γ
+            let farthest = (3.0 * error).clamp(0.03, 0.99 * BEYOND);
             let is_near = value > low - farthest && value < high + farthest;
             require(
                 is_near,

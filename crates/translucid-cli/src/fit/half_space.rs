@@ -134,7 +134,8 @@ fn warning(fit: &MediumFit) -> Option<String> {
             if error.is_finite() { format!(": its standard error is {error:.2}") } else { String::new() };
         return Some(format!("gamma is not determined by these radii{of_error}"));
     }
-    let is_inside = (low..=high).contains(&value);
+    let far = (2.0 * error).max(0.03);
+    let is_inside = (low - far..=high + far).contains(&value);
     (!is_inside).then(|| format!("gamma is outside [{low}, {high}], where profiles are solved"))
 }
 
