@@ -1,6 +1,7 @@
 //! `translucid fit`: simple profiles fitted to the exact half space, or to a table of a user's own.
 
 mod albedos;
+mod half_space;
 mod output;
 mod report;
 mod table;
@@ -42,13 +43,19 @@ sigma_s_prime, in 1 over the unit of r, and from these the mean free path mfp an
 that enters. reflectance is the light that leaves over the light that falls on the medium, of which a boundary
 (--eta) lets less enter.
 
+With --gamma the second similarity parameter gamma = (1 - g2)/(1 - g1) of the phase function is fitted besides, g1
+and g2 being its first two Legendre moments; it decides R(r) nearer than some transport mean free paths. Higher
+moments are taken for those of a forward peak (Henyey-Greenstein, g = 0.85) on an isotropic ground. The report has
+the correlations, and with -o they are in correlations.csv.
+
 Examples:
   translucid fit --family burley
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid fit --configuration diffuse --parameter mfp --family burley --max-radius 8 -o fit
   translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit
   translucid fit --table measured.csv --terms 2
-  translucid fit --table measured.csv --family half-space --eta 1.4";
+  translucid fit --table measured.csv --family half-space --eta 1.4
+  translucid fit --table measured.csv --family half-space --eta 1.4 --gamma";
 
 /// Fits simple profiles to the exact one, and prints their errors
 #[derive(Args, Debug)]
@@ -79,6 +86,9 @@ pub(crate) struct FitArguments {
     /// Relative index of refraction of the half space's boundary, in [0.5, 3]; 1 is none
     #[arg(long, value_name = "ETA", default_value_t = 1.0, hide_default_value = true)]
     eta: f64,
+    /// Fit the second similarity parameter of the half space's phase function, too
+    #[arg(long)]
+    gamma: bool,
     #[command(flatten)]
     output: output::OutputArguments,
 }
@@ -109,6 +119,12 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let is_half_space = arguments.family == Some(FamilyName::HalfSpace);
     if arguments.eta != 1.0 && !is_half_space {
         return Err(Failure::input("--eta is for --family half-space"));
+    }
+    if arguments.gamma && !is_half_space {
+        return Err(Failure::input("--gamma is for --family half-space"));
+    }
+    if arguments.gamma && arguments.configuration == Some(ConfigurationName::Diffuse) {
+        return Err(Failure::input("--gamma is for --configuration searchlight, but it is diffuse"));
     }
     if is_half_space && arguments.terms.is_some() {
         return Err(Failure::input("--terms is for sums, but the family is half-space"));

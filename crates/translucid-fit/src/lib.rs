@@ -6,7 +6,8 @@
 //!   weights are not negative and sum to 1.
 //! - [`SampleFit`]: mixtures fitted to a measured or simulated table, with the uncertainties of their parameters;
 //!   [`SampleFits`] has one of every family.
-//! - [`MediumFit`]: a medium's coefficients fitted to such a table, where each single-scattering albedo has its profile.
+//! - [`MediumFit`]: a medium's coefficients fitted to such a table, where each single-scattering albedo has its profile;
+//!   [`MediumGrid`] has one of every second similarity parameter γ, too.
 //! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
 //!   [`ScalingPolynomial`]s through it.
 //! - [`least_squares`] of any [`Residuals`].
@@ -42,6 +43,7 @@ mod family;
 mod l1_error;
 mod least_squares;
 mod medium_fit;
+mod medium_grid;
 mod minimum;
 mod mixture;
 mod profile_fit;
@@ -55,6 +57,7 @@ pub use l1_error::{Judge, l1_error};
 pub use least_squares::{Residuals, least_squares};
 pub use levenberg_marquardt::LevenbergMarquardt;
 pub use medium_fit::{MediumFit, MediumProfile};
+pub use medium_grid::MediumGrid;
 pub use mixture::Mixture;
 pub use profile_fit::{Fit, Target, fit};
 pub use sample_fit::{Errors, Estimate, Sample, SampleFit};

@@ -4,31 +4,41 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use levenberg_marquardt::LevenbergMarquardt;
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector};
 use translucid_profile::{ParameterError, require};
 
 use crate::least_squares::{Residuals, least_squares};
+use crate::medium_grid::MediumGrid;
 use crate::{Errors, Estimate, Sample};
 
 /// Profile R(r) \[ℓ⁻²\] of a medium over r \[ℓ\].
 pub type MediumProfile = Box<dyn Fn(f64) -> f64>;
 
-/// Single-scattering albedo and mean free path fitted to samples.
+/// Single-scattering albedo and mean free path fitted to samples, and the second similarity parameter γ with them.
 ///
 /// The medium is anything that has one profile for each single-scattering albedo, in units of its mean free path:
 ///
 /// ```text
 /// R(r) = f_α(r/ℓ)/ℓ²,     σ_a = (1 − α)/ℓ,     σ_s = α/ℓ
 /// ```
+///
+/// With γ, α is the reduced single-scattering albedo α', ℓ the transport mean free path ℓ*, and σ_s is σ'_s.
 #[derive(Clone, Debug)]
 pub struct MediumFit {
-    /// ln α/(1 − α) and ln ℓ.
-    parameters: [f64; 2],
-    covariance: Matrix2<f64>,
+    /// ln α/(1 − α), ln ℓ, and γ if it is fitted.
+    parameters: Vec<f64>,
+    covariance: DMatrix<f64>,
     chi_square: f64,
     degrees_of_freedom: usize,
     residuals: Vec<f64>,
 }
+
+/// Finds the profile of α and γ.
+type Solve<'a> = dyn Fn(f64, f64) -> MediumProfile + 'a;
+
+/// γ at which a fit starts, and how far beyond its range a fit may go.
+const GAMMA_START: f64 = 1.0 + 0.85 / 1.5;
+const BEYOND: f64 = 0.1;
 
 /// Most samples: of each the profile is asked some hundred times.
 const MOST_SAMPLES: usize = 2000;
@@ -63,6 +73,58 @@ impl MediumFit {
         errors: Errors,
         solve: &dyn Fn(f64) -> MediumProfile,
     ) -> Result<Self, ParameterError> {
+        Self::fit(samples, errors, None, &|alpha, _| solve(alpha))
+    }
+
+    /// Fits the medium and its γ to the profiles of a grid.
+    ///
+    /// Known errors are enlarged by those of the grid ([`MediumGrid::error`]).
+    /// γ may come out beyond [`MediumGrid::GAMMA`] by up to 3 standard errors. Where its standard error is greater than that
+    /// of a guess within this range ([`gamma_is_determined`](Self::gamma_is_determined)), its value means nothing.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), where four samples are the fewest, and: the samples ask for a γ far beyond the range, for
+    /// an albedo below the grid's, or lie at radii beyond it.
+    pub fn with_gamma(
+        samples: &[Sample],
+        errors: Errors,
+        grid: &MediumGrid<'_>,
+    ) -> Result<Self, ParameterError> {
+        let count = samples.len();
+        require(count > 3, "number of samples", count as f64, "in [4, 2000] with gamma")?;
+        let fit = Self::fit(samples, errors, Some(GAMMA_START), &|alpha, gamma| {
+            let row = grid.row(alpha, gamma);
+            Box::new(move |r| row.eval(r))
+        })?;
+        let (alpha, mfp) = (fit.single_scattering_albedo().value, fit.mfp().value);
+        let is_solved = alpha >= MediumGrid::LEAST_ALBEDO;
+        require(is_solved, "reduced single-scattering albedo", alpha, "at least 0.02 with gamma")?;
+        for sample in samples {
+            let r = sample.r / mfp;
+            let allowed = "in [0.05, 20] with gamma: leave such samples out";
+            require(MediumGrid::has_radius(r), "r over the transport mean free path", r, allowed)?;
+        }
+        if let Some(Estimate { value, error }) = fit.gamma().filter(|_| fit.gamma_is_determined()) {
+            let [low, high] = MediumGrid::GAMMA;
+            // At least what the grid's own error does to γ
+            let farthest = (3.0 * error).clamp(0.03, 0.99 * BEYOND);
+            let is_near = value > low - farthest && value < high + farthest;
+            require(
+                is_near,
+                "gamma",
+                value,
+                "in [1, 1.85]: the samples ask for more or less than is solved",
+            )?;
+        }
+        Ok(fit)
+    }
+
+    fn fit(
+        samples: &[Sample],
+        errors: Errors,
+        gamma: Option<f64>,
+        solve: &Solve<'_>,
+    ) -> Result<Self, ParameterError> {
         let count = samples.len();
         require((3..=MOST_SAMPLES).contains(&count), "number of samples", count as f64, "in [3, 2000]")?;
         for sample in samples {
@@ -78,25 +140,31 @@ impl MediumFit {
         let greatest = samples.iter().map(|sample| sample.reflectance).fold(0.0, f64::max);
         require(greatest > 0.0, "greatest reflectance", greatest, "greater than 0")?;
 
-        let start = Problem::start(samples, solve);
-        let first = Self::descend(samples, errors, start, solve);
-        Ok(match errors {
-            Errors::Known => first,
-            Errors::Relative => {
-                let weigh = |(sample, residual): (&Sample, &f64)| {
+        let start = Problem::start(samples, gamma, solve);
+        let first = Self::descend(samples, errors, &start, solve);
+        if errors == Errors::Known && gamma.is_none() {
+            return Ok(first);
+        }
+        let mfp = first.mfp().value;
+        let weigh = |(sample, residual): (&Sample, &f64)| {
+            let error = match errors {
+                Errors::Known => {
+                    libm::hypot(sample.error, MediumGrid::error(sample.r / mfp) * sample.reflectance)
+                }
+                Errors::Relative => {
                     let fitted = sample.reflectance + residual * sample.error;
-                    let error = fitted.clamp(0.5 * sample.reflectance, 2.0 * sample.reflectance);
-                    Sample { error: error.max(1e-250), ..*sample }
-                };
-                let weighed: Vec<Sample> = samples.iter().zip(&first.residuals).map(weigh).collect();
-                let second = Self::descend(&weighed, errors, first.parameters, solve);
-                let again = |((residual, weighed), sample): ((&f64, &Sample), &Sample)| {
-                    residual * weighed.error / sample.error
-                };
-                let residuals = second.residuals.iter().zip(&weighed).zip(samples).map(again).collect();
-                Self { residuals, ..second }
-            }
-        })
+                    fitted.clamp(0.5 * sample.reflectance, 2.0 * sample.reflectance)
+                }
+            };
+            Sample { error: error.max(1e-250), ..*sample }
+        };
+        let weighed: Vec<Sample> = samples.iter().zip(&first.residuals).map(weigh).collect();
+        let second = Self::descend(&weighed, errors, &first.parameters, solve);
+        let again = |((residual, weighed), sample): ((&f64, &Sample), &Sample)| {
+            residual * weighed.error / sample.error
+        };
+        let residuals = second.residuals.iter().zip(&weighed).zip(samples).map(again).collect();
+        Ok(Self { residuals, ..second })
     }
 
     /// About how often a fit of so many samples asks profiles for a value, to tell how much of it is done.
@@ -107,71 +175,113 @@ impl MediumFit {
         (starts + descents * USUAL_STEPS * 5 * samples) as u64
     }
 
-    fn descend(
-        samples: &[Sample],
-        errors: Errors,
-        start: [f64; 2],
-        solve: &dyn Fn(f64) -> MediumProfile,
-    ) -> Self {
+    fn descend(samples: &[Sample], errors: Errors, start: &[f64], solve: &Solve<'_>) -> Self {
         let problem = Problem::new(samples, solve);
-        let found = least_squares(LevenbergMarquardt::new().with_patience(20), &start, &problem);
+        let descend =
+            |start: &[f64]| least_squares(LevenbergMarquardt::new().with_patience(20), start, &problem);
+        let mut found = descend(start);
+        if found.get(2).is_some_and(|gamma| within(*gamma) != *gamma) {
+            // A step went where γ has no effect any more: once more from the last place where it has
+            found[2] = within(found[2]);
+            found = descend(&found);
+        }
         let residuals = problem.residuals(&found);
         let chi_square = residuals.iter().map(|r| r * r).sum::<f64>();
-        let degrees_of_freedom = samples.len() - 2;
+        let degrees_of_freedom = samples.len() - start.len();
         let jacobian = problem.jacobian(&found);
         let factor = match errors {
             Errors::Known => 1.0,
             Errors::Relative => chi_square / degrees_of_freedom as f64,
         };
-        let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian).fixed_view::<2, 2>(0, 0).into();
+        let normal = jacobian.transpose() * &jacobian;
+        let size = start.len();
         // The samples give no error to a parameter that has no effect on them
-        let covariance =
-            normal.try_inverse().map_or(Matrix2::from_element(f64::INFINITY), |inverse| inverse * factor);
-        Self { parameters: [found[0], found[1]], covariance, chi_square, degrees_of_freedom, residuals }
+        let covariance = normal
+            .try_inverse()
+            .map_or(DMatrix::from_element(size, size, f64::INFINITY), |inverse| inverse * factor);
+        let parameters =
+            [&found[..2], &found[2..].iter().map(|gamma| within(*gamma)).collect::<Vec<_>>()].concat();
+        Self { parameters, covariance, chi_square, degrees_of_freedom, residuals }
     }
 
     /// Single-scattering albedo.
     pub fn single_scattering_albedo(&self) -> Estimate {
         let alpha = logistic(self.parameters[0]);
-        Estimate { value: alpha, error: alpha * (1.0 - alpha) * self.error([1.0, 0.0]) }
+        Estimate { value: alpha, error: alpha * (1.0 - alpha) * self.error([1.0, 0.0, 0.0]) }
     }
 
     /// Mean free path ℓ \[L\].
     pub fn mfp(&self) -> Estimate {
-        self.exponential(libm::exp(self.parameters[1]), [0.0, 1.0])
+        self.exponential(libm::exp(self.parameters[1]), [0.0, 1.0, 0.0])
     }
 
     /// Absorption coefficient σ_a \[L⁻¹\].
     pub fn sigma_a(&self) -> Estimate {
         let alpha = logistic(self.parameters[0]);
-        self.exponential(logistic(-self.parameters[0]) / self.mfp().value, [-alpha, -1.0])
+        self.exponential(logistic(-self.parameters[0]) / self.mfp().value, [-alpha, -1.0, 0.0])
     }
 
     /// Scattering coefficient σ_s \[L⁻¹\].
     pub fn sigma_s(&self) -> Estimate {
         let alpha = logistic(self.parameters[0]);
-        self.exponential(alpha / self.mfp().value, [1.0 - alpha, -1.0])
+        self.exponential(alpha / self.mfp().value, [1.0 - alpha, -1.0, 0.0])
     }
 
     /// Any function of the single-scattering albedo.
     pub fn of_albedo(&self, function: impl Fn(f64) -> f64) -> Estimate {
         let at = |step: f64| function(logistic(self.parameters[0] + step));
         let slope = (at(1e-3) - at(-1e-3)) / 2e-3;
-        Estimate { value: at(0.0), error: slope.abs() * self.error([1.0, 0.0]) }
+        Estimate { value: at(0.0), error: slope.abs() * self.error([1.0, 0.0, 0.0]) }
+    }
+
+    /// Second similarity parameter γ = (1 − χ₂)/(1 − χ₁) of the phase function, if it is fitted.
+    pub fn gamma(&self) -> Option<Estimate> {
+        let value = *self.parameters.get(2)?;
+        Some(Estimate { value, error: self.error([0.0, 0.0, 1.0]) })
+    }
+
+    /// Whether the samples say more of γ than that it is in [`MediumGrid::GAMMA`]; no if it is not fitted.
+    pub fn gamma_is_determined(&self) -> bool {
+        let [low, high] = MediumGrid::GAMMA;
+        self.gamma().is_some_and(|gamma| gamma.error < (high - low) / 12.0_f64.sqrt())
+    }
+
+    /// Any function of the reduced single-scattering albedo and γ, where γ is fitted.
+    pub fn of_albedo_and_gamma(&self, function: impl Fn(f64, f64) -> f64) -> Option<Estimate> {
+        let gamma = *self.parameters.get(2)?;
+        let at = |step: f64, other: f64| function(logistic(self.parameters[0] + step), gamma + other);
+        let slope = |up: f64, down: f64| (up - down) / 0.02;
+        let along_albedo = slope(at(0.01, 0.0), at(-0.01, 0.0));
+        let along_gamma = slope(at(0.0, 0.01), at(0.0, -0.01));
+        Some(Estimate { value: at(0.0, 0.0), error: self.error([along_albedo, 0.0, along_gamma]) })
+    }
+
+    /// Correlations of σ_a, σ_s and γ, in this order, where γ is fitted.
+    pub fn correlations(&self) -> Option<[[f64; 3]; 3]> {
+        self.gamma()?;
+        let alpha = logistic(self.parameters[0]);
+        let gradients = [[-alpha, -1.0, 0.0], [1.0 - alpha, -1.0, 0.0], [0.0, 0.0, 1.0]];
+        let element = |a: [f64; 3], b: [f64; 3]| self.covariance_of(a, b) / (self.error(a) * self.error(b));
+        Some(gradients.map(|a| gradients.map(|b| element(a, b))))
     }
 
     /// A value whose logarithm changes with the parameters by a gradient.
-    fn exponential(&self, value: f64, gradient: [f64; 2]) -> Estimate {
+    fn exponential(&self, value: f64, gradient: [f64; 3]) -> Estimate {
         Estimate { value, error: value * self.error(gradient) }
     }
 
-    fn error(&self, gradient: [f64; 2]) -> f64 {
-        let gradient = Vector2::from(gradient);
-        let variance = gradient.dot(&(self.covariance * gradient));
+    /// Covariance of two values by their gradients.
+    fn covariance_of(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
+        let [a, b] = [a, b].map(|of| DVector::from_column_slice(&of[..self.parameters.len()]));
+        a.dot(&(&self.covariance * b))
+    }
+
+    fn error(&self, gradient: [f64; 3]) -> f64 {
+        let variance = self.covariance_of(gradient, gradient);
         if variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
     }
 
-    /// Σ ((R_fit − R)/error)².
+    /// Σ ((R_fit − R)/error)², where errors hold the grid's with γ.
     pub fn chi_square(&self) -> f64 {
         self.chi_square
     }
@@ -191,12 +301,12 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + libm::exp(-x))
 }
 
-/// Distance of the medium from the samples, by ln α/(1 − α) and ln ℓ.
+/// Distance of the medium from the samples, by ln α/(1 − α), ln ℓ and γ.
 struct Problem<'a> {
     samples: &'a [Sample],
-    solve: &'a dyn Fn(f64) -> MediumProfile,
-    /// The profile that was solved last, by ln α/(1 − α): residuals and their derivatives need the same one.
-    solved: RefCell<Option<(f64, Rc<MediumProfile>)>>,
+    solve: &'a Solve<'a>,
+    /// The profile that was solved last, by ln α/(1 − α) and γ: residuals and their derivatives need the same one.
+    solved: RefCell<Option<([f64; 2], Rc<MediumProfile>)>>,
 }
 
 impl<'a> Problem<'a> {
@@ -205,39 +315,40 @@ impl<'a> Problem<'a> {
     /// Steps of numeric slopes.
     const STEP: f64 = 1e-3;
 
-    fn new(samples: &'a [Sample], solve: &'a dyn Fn(f64) -> MediumProfile) -> Self {
+    fn new(samples: &'a [Sample], solve: &'a Solve<'a>) -> Self {
         Self { samples, solve, solved: RefCell::default() }
     }
 
-    fn solve(&self, logit: f64) -> MediumProfile {
-        (self.solve)(logistic(logit.clamp(-Self::MOST, Self::MOST)))
+    fn solve(&self, logit: f64, gamma: f64) -> MediumProfile {
+        (self.solve)(logistic(logit.clamp(-Self::MOST, Self::MOST)), gamma)
     }
 
-    fn profile(&self, logit: f64) -> Rc<MediumProfile> {
+    fn profile(&self, [logit, gamma]: [f64; 2]) -> Rc<MediumProfile> {
         let mut solved = self.solved.borrow_mut();
         match &*solved {
-            Some((of, profile)) if *of == logit => Rc::clone(profile),
+            Some((of, profile)) if *of == [logit, gamma] => Rc::clone(profile),
             _ => {
-                let profile = Rc::new(self.solve(logit));
-                *solved = Some((logit, Rc::clone(&profile)));
+                let profile = Rc::new(self.solve(logit, gamma));
+                *solved = Some(([logit, gamma], Rc::clone(&profile)));
                 profile
             }
         }
     }
 
     /// The best of a few single-scattering albedos and many mean free paths.
-    fn start(samples: &[Sample], solve: &dyn Fn(f64) -> MediumProfile) -> [f64; 2] {
+    fn start(samples: &[Sample], gamma: Option<f64>, solve: &Solve<'_>) -> Vec<f64> {
         let ends = samples.iter().fold([f64::MAX, 0.0f64], |[low, high], s| [low.min(s.r), high.max(s.r)]);
         let [low, high] = ends.map(libm::log);
         let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(THINNED)).copied().collect();
-        let mut best = (f64::INFINITY, [0.0, 0.5 * (low + high)]);
+        let start = |logit: f64, ln_mfp: f64| [logit, ln_mfp].into_iter().chain(gamma).collect::<Vec<f64>>();
+        let mut best = (f64::INFINITY, start(0.0, 0.5 * (low + high)));
         for alpha in STARTS {
-            let profile = Self::interpolated(&solve(alpha), high - low + MARGIN);
-            let interpolated = |_: f64| -> MediumProfile { Box::new(profile.clone()) };
+            let profile = Self::interpolated(&solve(alpha, gamma.unwrap_or(1.0)), high - low + MARGIN);
+            let interpolated = |_: f64, _: f64| -> MediumProfile { Box::new(profile.clone()) };
             let problem = Problem::new(&thinned, &interpolated);
             for i in 0..=LENGTHS {
                 let ln_mfp = low - MARGIN + (high - low + 2.0 * MARGIN) * f64::from(i) / f64::from(LENGTHS);
-                let parameters = [libm::log(alpha / (1.0 - alpha)), ln_mfp];
+                let parameters = start(libm::log(alpha / (1.0 - alpha)), ln_mfp);
                 let cost = problem.residuals(&parameters).iter().map(|r| r * r).sum::<f64>();
                 if cost < best.0 {
                     best = (cost, parameters);
@@ -272,20 +383,37 @@ impl<'a> Problem<'a> {
 
 impl Residuals for Problem<'_> {
     fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
-        self.values(&self.profile(parameters[0]), parameters[1])
+        self.values(&self.profile([parameters[0], gamma_of(parameters)]), parameters[1])
     }
 
     fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
-        let [logit, ln_mfp] = [parameters[0], parameters[1]];
-        let profile = self.profile(logit);
+        let [logit, ln_mfp, gamma] = [parameters[0], parameters[1], gamma_of(parameters)];
+        let profile = self.profile([logit, gamma]);
         let along_length = [1.0, -1.0].map(|sign| self.values(&profile, ln_mfp + sign * Self::STEP));
         let along_albedo =
-            [1.0, -1.0].map(|sign| self.values(&self.solve(logit + sign * Self::STEP), ln_mfp));
-        DMatrix::from_fn(self.samples.len(), 2, |i, j| {
-            let [up, down] = if j == 0 { &along_albedo } else { &along_length };
+            [1.0, -1.0].map(|sign| self.values(&self.solve(logit + sign * Self::STEP, gamma), ln_mfp));
+        let mut pairs = vec![along_albedo, along_length];
+        if parameters.len() > 2 {
+            let along_gamma =
+                [1.0, -1.0].map(|sign| self.values(&self.solve(logit, gamma + sign * Self::STEP), ln_mfp));
+            pairs.push(along_gamma);
+        }
+        DMatrix::from_fn(self.samples.len(), pairs.len(), |i, j| {
+            let [up, down] = &pairs[j];
             (up[i] - down[i]) / (2.0 * Self::STEP)
         })
     }
+}
+
+/// γ of the parameters, as far as profiles reach; isotropic scattering's where it is not fitted.
+fn gamma_of(parameters: &[f64]) -> f64 {
+    parameters.get(2).map_or(1.0, |gamma| within(*gamma))
+}
+
+/// γ no farther beyond the range than profiles are continued.
+fn within(gamma: f64) -> f64 {
+    let [low, high] = MediumGrid::GAMMA;
+    gamma.clamp(low - BEYOND, high + BEYOND)
 }
 
 #[cfg(test)]

@@ -1,23 +1,17 @@
 //! Fits to a table of a user's own.
 
 use std::path::Path;
-use std::rc::Rc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use translucid_fit::{Errors, Estimate, Family, MediumFit, MediumProfile, Sample, SampleFit, SampleFits};
+use translucid_fit::{Errors, Estimate, Family, Sample, SampleFit, SampleFits};
 use translucid_laboratory::{Cell, Chart, DataTable, Ink, ResidualScale, Residuals, residual_chart};
 use translucid_profile::{Model, ParameterError};
-use translucid_reference::exact::HalfSpace;
-use translucid_reference::{Incidence, specular_reflectance};
 use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
+use super::half_space::{self, HalfSpaceFit};
 use crate::failure::Failure;
 use crate::files::{broken_csv, read_at_most};
-use crate::interrupt;
-use crate::model::ConfigurationName;
-use crate::progress::{Meter, Unit};
 use crate::table::exact;
 
 /// Greatest file, in bytes: a profile has some hundred radii.
@@ -50,87 +44,24 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
 /// Fits the exact half space to the samples of a file.
 pub(super) fn run_half_space(arguments: &FitArguments, path: &Path) -> Result<(), Failure> {
     let (samples, errors) = load(path)?;
-    arguments.output.fill(&FILES, Some(path), || {
-        let fit = half_space(arguments, path, &samples, errors)?;
+    let files = &[&FILES[..], &["correlations.csv"]].concat()[..FILES.len() + usize::from(arguments.gamma)];
+    arguments.output.fill(files, Some(path), || {
+        let HalfSpaceFit { fit, parameters, warnings } = half_space::fit(arguments, path, &samples, errors)?;
+        let fit = Fit {
+            name: "half-space",
+            parameters: parameters
+                .into_iter()
+                .map(|(name, estimate)| (String::from(name), estimate))
+                .collect(),
+            chi_square: fit.chi_square(),
+            degrees_of_freedom: fit.degrees_of_freedom(),
+            is_singular: false,
+            residuals: fit.residuals().to_vec(),
+            correlations: fit.correlations(),
+            warnings,
+        };
         write(arguments, path, &samples, errors, &[fit])
     })
-}
-
-/// The half space that explains samples best.
-fn half_space(
-    arguments: &FitArguments,
-    path: &Path,
-    samples: &[Sample],
-    errors: Errors,
-) -> Result<Fit, Failure> {
-    let configuration = arguments.configuration.unwrap_or(ConfigurationName::Searchlight);
-    let incidence = Incidence::from(translucid_profile::Configuration::from(configuration));
-    let solve = |alpha: f64| HalfSpace::with_boundary(alpha, arguments.eta, incidence);
-    // What is refused is so for every albedo
-    solve(0.5).map_err(|error| Failure::input(error.to_string()))?;
-    let entering = 1.0 - specular_reflectance(incidence, arguments.eta);
-    interrupt::catch("\nstopping; nothing is written")?;
-    let evaluations = Rc::new(Evaluations::new(MediumFit::usual_evaluations(samples.len(), errors)));
-    let profile = |alpha: f64| -> MediumProfile {
-        if evaluations.are_stopped() {
-            return Box::new(|_| 0.0);
-        }
-        let Ok(half_space) = solve(alpha) else { return Box::new(|_| 0.0) };
-        let evaluations = Rc::clone(&evaluations);
-        Box::new(move |r| evaluations.count(|| entering * half_space.eval(r).value))
-    };
-    let fit = MediumFit::new(samples, errors, &profile);
-    evaluations.meter.finish();
-    let fit = fit.map_err(|error| SceneError::at(Place::file(path), error.to_string()))?;
-    if evaluations.are_stopped() {
-        return Err(Failure::interrupted("nothing was written: repeat the command"));
-    }
-    let total = |alpha: f64| solve(alpha).map_or(f64::NAN, |half_space| half_space.total().value);
-    let parameters = [
-        ("surface_albedo", fit.of_albedo(total)),
-        ("mfp", fit.mfp()),
-        ("sigma_a", fit.sigma_a()),
-        ("sigma_s_prime", fit.sigma_s()),
-    ];
-    Ok(Fit {
-        name: "half-space",
-        parameters: parameters.map(|(name, estimate)| (String::from(name), estimate)).to_vec(),
-        chi_square: fit.chi_square(),
-        degrees_of_freedom: fit.degrees_of_freedom(),
-        is_singular: false,
-        residuals: fit.residuals().to_vec(),
-    })
-}
-
-/// Count of the reflectances that a fit has asked for, which take nearly all of its time.
-///
-/// Once the fit is to stop all reflectances are 0, and it ends at once.
-struct Evaluations {
-    meter: Meter,
-    done: AtomicU64,
-    /// Number of them that such a fit usually asks for.
-    usual: u64,
-}
-
-impl Evaluations {
-    fn new(usual: u64) -> Self {
-        Self { meter: Meter::new(Unit::Parts), done: AtomicU64::new(0), usual }
-    }
-
-    /// The value of one more; 0 once the fit is to stop.
-    fn count(&self, value: impl FnOnce() -> f64) -> f64 {
-        if self.are_stopped() {
-            return 0.0;
-        }
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        // A fit that takes longer is never quite done before its end
-        self.meter.update(done, self.usual.max(done + done / 20));
-        value()
-    }
-
-    fn are_stopped(&self) -> bool {
-        interrupt::STOP.load(Ordering::Relaxed)
-    }
 }
 
 /// Writes the tables, the report and the chart, and warns.
@@ -158,7 +89,20 @@ fn write(
     }
     let text = report(path, samples, errors, fits);
     let chart = chart(samples, errors, fits);
-    arguments.output.write(&text, &[parameters, residuals])?;
+    let mut tables = vec![parameters, residuals];
+    if let Some(correlations) = fits[0].correlations {
+        let names = half_space::CORRELATED;
+        let mut table = DataTable::new("correlations", "", &["parameter"]);
+        table.columns.extend(names.map(String::from));
+        table.rows.extend(
+            names
+                .iter()
+                .zip(correlations)
+                .map(|(name, row)| [Cell::from(*name)].into_iter().chain(row.map(Cell::from)).collect()),
+        );
+        tables.push(table);
+    }
+    arguments.output.write(&text, &tables)?;
     arguments.output.write_chart(&chart, FILES[2])?;
     warn(path, errors, fits);
     Ok(())
@@ -183,6 +127,9 @@ struct Fit {
     is_singular: bool,
     /// (R_fit − R)/error of each sample.
     residuals: Vec<f64>,
+    correlations: Option<[[f64; 3]; 3]>,
+    /// Warnings of its kind of fit.
+    warnings: Vec<String>,
 }
 
 impl Fit {
@@ -203,6 +150,8 @@ impl Fit {
             degrees_of_freedom: fit.degrees_of_freedom(),
             is_singular: fit.is_singular(),
             residuals: fit.residuals(samples),
+            correlations: None,
+            warnings: Vec::new(),
         }
     }
 
@@ -213,8 +162,9 @@ impl Fit {
 
     /// Names of the parameters that the samples do not determine.
     fn undetermined(&self) -> Vec<&str> {
-        let open = self.parameters.iter().filter(|(_, estimate)| !estimate.is_determined());
-        open.map(|(name, _)| name.as_str()).collect()
+        // Of gamma, whose range is narrow, a warning of its own tells
+        let is_open = |(name, estimate): &&(String, Estimate)| !estimate.is_determined() && name != "gamma";
+        self.parameters.iter().filter(is_open).map(|(name, _)| name.as_str()).collect()
     }
 }
 
@@ -260,6 +210,13 @@ fn report(path: &Path, samples: &[Sample], errors: Errors, fits: &[Fit]) -> Stri
                 false => format!("  {name:<22}not determined\n"),
             };
         }
+        if let Some(correlations) = fit.correlations {
+            for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+                let [one, other] = [i, j].map(|k: usize| half_space::CORRELATED[k]);
+                text += &format!("  correlation of {one} and {other}: {:.3}\n", correlations[i][j]);
+            }
+            text += half_space::ASSUMPTION;
+        }
     }
     text
 }
@@ -272,6 +229,7 @@ fn warn(path: &Path, errors: Errors, fits: &[Fit]) {
     };
     for fit in fits {
         let name = fit.name;
+        fit.warnings.iter().for_each(|warning| add(format!("{name}: {warning}")));
         let open = fit.undetermined();
         if !open.is_empty() {
             add(format!("{name}: the samples do not determine {}", open.join(", ")));

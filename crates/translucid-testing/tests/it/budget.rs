@@ -10,11 +10,11 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 21] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 9750),
+    ("translucid-cli", 9850),
     ("translucid-display", 100),
     ("translucid-export", 2850),
     ("translucid-files", 200),
-    ("translucid-fit", 1200),
+    ("translucid-fit", 1400),
     ("translucid-gpu", 910),
     ("translucid-image", 800),
     ("translucid-laboratory", 7130),
