@@ -10,7 +10,7 @@ use crate::imports;
 const BUDGETS: [(&str, usize); 21] = [
     ("translucid-broken-scenes", 400),
     ("translucid-capi", 1800),
-    ("translucid-cli", 9850),
+    ("translucid-cli", 9900),
     ("translucid-display", 100),
     ("translucid-export", 2850),
     ("translucid-files", 200),
