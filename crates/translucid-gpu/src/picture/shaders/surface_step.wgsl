@@ -81,7 +81,8 @@ fn arrive(
         (*found).depth = distance((*met).position, (*path).mis_point);
     }
     let is_spent = (*path).depth >= head(MAX_DEPTH);
-    if ((is_spent && !(tables[m + IS_MATCHED] > 0.0)) || !survives(path, u.y)) {
+    let can_be_passed = tables[m + IS_MATCHED] > 0.0 || p.is_thin != 0u;
+    if ((is_spent && !can_be_passed) || !survives(path, u.y)) {
         return;
     }
     (*path).work = AT_SURFACE;
@@ -185,12 +186,18 @@ fn scatter_at_surface(
         }
         return;
     }
-    if (chosen.kind == NOTHING || is_spent) {
+    // Straight through a thin wall, as light samples go; the camera, which has taken none, sees what is behind as through any glass
+    let is_straight = p.is_thin != 0u && chosen.is_transmitted && chosen.lobe == MIRROR && (*path).depth > 0u;
+    if (chosen.kind == NOTHING || (is_spent && !is_straight)) {
         return;
     }
     let direction = normalize(frame * chosen.wi);
     // The shading normal promised one side, the geometry has another: such light cannot be
     if ((-dot(incoming, (*met).geometric) * dot(direction, (*met).geometric) < 0.0) != chosen.is_transmitted) {
+        return;
+    }
+    if (is_straight) {
+        pass_surface(path, met, chosen.weight);
         return;
     }
     if (chosen.is_transmitted) {
