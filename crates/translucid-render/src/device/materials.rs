@@ -87,9 +87,6 @@ impl<'a> Materials<'a> {
                 }
             }
         };
-        if has_varied_emission(material) {
-            return lacks("emission from a texture, from vertex colors or through opacity");
-        }
         let start = self.words.len();
         for input in [
             &material.base_color,
@@ -227,13 +224,10 @@ fn number(of: usize) -> f32 {
     of as f32
 }
 
-/// Returns `true` if a material emits light in other ways than a constant.
-fn has_varied_emission(material: &Material) -> bool {
-    if material.emission_luminance <= 0.0 {
-        return false;
-    }
-    material.emission_color.texture.is_some()
-        || material.emission_color.vertex_color
-        || material.geometry_opacity.texture.is_some()
-        || material.geometry_opacity.factor < 1.0
+/// Returns `true` if a material's emission is not the same everywhere, or only where its surface is.
+pub(super) fn has_varied_emission(material: &Material) -> bool {
+    let ScalarInput { factor, texture } = &material.geometry_opacity;
+    let color = &material.emission_color;
+    material.emission_luminance > 0.0
+        && (color.texture.is_some() || color.vertex_color || texture.is_some() || *factor < 1.0)
 }

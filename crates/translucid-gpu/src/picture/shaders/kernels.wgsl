@@ -245,6 +245,12 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
     light.direction = sample.direction;
     light.distance = min(sample.distance, NEVER);
     light.radiance = sample.radiance;
+    if (sample.triangle != NO_TRIANGLE) {
+        let place = triangle_light_surface(sample.triangle);
+        if (place >= 0.0) {
+            light.radiance = emission_at(u32(place), triangle_light_place(u.yz));
+        }
+    }
     light.pdf = sample.pdf;
     light.random = u.w;
     light.kind = select(NO_LIGHT, select(USABLE, DELTA, sample.is_delta), sample.is_usable);
