@@ -6,9 +6,9 @@ use glam::{Affine2, Vec2, Vec3};
 use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
-    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material,
-    Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceModel, TextureRef,
-    WalkSurface, Wrap,
+    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, LayerMedium, Light,
+    Material, Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceLayer,
+    SubsurfaceModel, TextureRef, WalkSurface, Wrap,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 use wgpu::naga;
@@ -299,6 +299,28 @@ fn thin_walls_have_the_means_of_the_processor() {
     }
 }
 
+/// Shadows of a ball on a block of which nothing else is seen, in light of all kinds, also behind glass and a body of wax.
+#[test]
+fn shadow_catchers_have_the_means_of_the_processor() {
+    let catcher = Material { camera_visibility: CameraVisibility::Shadow, ..matte() };
+    let glass = Material {
+        transmission_weight: ScalarInput::constant(0.9),
+        geometry_opacity: ScalarInput::constant(0.8),
+        ..matte()
+    };
+    let clear = Material { subsurface_radius: ScalarInput::constant(3.0), ..wax(WalkSurface::Clear) };
+    for (name, ball) in [("matte", matte()), ("glass", glass), ("wax", clear)] {
+        let mut scene = scene(ball, catcher.clone());
+        scene.objects[1] = shape("box", 3.0, Vec3::new(0.0, -4.0, 0.0), 1, 1);
+        scene.lights = vec![
+            lamp(),
+            Light::Distant { direction: -Vec3::Y, angular_radius: 0.0, irradiance: Vec3::splat(2.0) },
+        ];
+        scene.environment = scene.environment.map(|sky| Environment { visible: false, ..sky });
+        check(name, &scene, 16);
+    }
+}
+
 #[test]
 fn lights_and_cameras_have_the_means_of_the_processor() {
     let mut scene = scene(matte(), Material { emission_luminance: 0.5, ..matte() });
@@ -356,9 +378,10 @@ pub(super) fn refusal(scene: Scene) -> String {
 
 #[test]
 fn scenes_that_devices_lack_something_for_are_refused_by_name() {
-    let shadow = Material { camera_visibility: CameraVisibility::Shadow, ..matte() };
-    let error = refusal(scene(shadow, matte()));
-    assert!(error.contains("camera_visibility") && error.contains("material"), "{error}");
+    let medium = LayerMedium::Coefficients { scattering: Vec3::ONE, absorption: Vec3::ONE };
+    let layers = vec![SubsurfaceLayer { thickness: 0.1, medium, g: 0.0 }];
+    let error = refusal(scene(Material { layers, ..wax(WalkSurface::Clear) }, matte()));
+    assert!(error.contains("material wax has layers, which devices lack"), "{error}");
 }
 
 /// Light without size is not found below a refracting boundary, where no light sample comes; light of any size is.

@@ -60,9 +60,6 @@ impl<'a> Materials<'a> {
         let lacks = |what: &str| {
             Err(SceneError::new(format!("material {} has {what}, which devices lack", material.name)))
         };
-        if material.camera_visibility == CameraVisibility::Shadow {
-            return lacks("camera_visibility = \"shadow\"");
-        }
         let below = match transports.of(index) {
             SubsurfaceTransport::Lambertian => [0.0; 6],
             SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
@@ -125,7 +122,11 @@ impl<'a> Materials<'a> {
             material.emission_luminance.max(0.0),
             number(material.geometry_thin_walled.into()),
             map.map_or(1.0, |map| map.scale),
-            number((material.camera_visibility == CameraVisibility::None).into()),
+            match material.camera_visibility {
+                CameraVisibility::Surface => 0.0,
+                CameraVisibility::None => 1.0,
+                CameraVisibility::Shadow => 2.0,
+            },
         ]);
         self.words.extend(below);
         self.words.push(number(reflectance_at));

@@ -31,7 +31,10 @@ const COAT_IOR = 89u;
 const EMISSION_LUMINANCE = 90u;
 const THIN_WALLED = 91u;
 const NORMAL_SCALE = 92u;
-const HIDDEN_FROM_CAMERA = 93u;
+// What the camera sees: the surface, nothing, or shadows on it.
+const CAMERA_VISIBILITY = 93u;
+const NOT_SEEN = 1u;
+const SHADOWS_SEEN = 2u;
 // What is below: nothing, a walk's medium or a profile.
 const BELOW_KIND = 94u;
 const WALK_BELOW = 1u;

@@ -32,8 +32,10 @@ fn weight_of(light: ptr<function, Light>, pdf: f32) -> f32 {
 }
 
 fn deposit(slot: u32, shadow: ptr<function, Shadow>) {
-    if ((*shadow).is_subsurface != 0u) {
+    if ((*shadow).layer == TO_SUBSURFACE) {
         slots[slot].found.subsurface += (*shadow).matte;
+    } else if ((*shadow).layer == TO_ALPHA) {
+        slots[slot].found.alpha -= coverage(slots[slot].path.throughput) * min(light_luminance((*shadow).matte), 1.0);
     } else {
         slots[slot].found.matte += (*shadow).matte;
         slots[slot].found.specular += (*shadow).specular;

@@ -273,7 +273,7 @@ fn send_from_collision(
 
 // Divides light from below between the layers of the picture.
 fn set_light(path: ptr<function, Path>, shadow: ptr<function, Shadow>, light: vec3f) {
-    (*shadow).is_subsurface = u32((*path).layer != OF_SURFACE);
+    (*shadow).layer = select(TO_SUBSURFACE, TO_SURFACE, (*path).layer == OF_SURFACE);
     (*shadow).matte = light;
     (*shadow).specular = vec3f(0.0);
     if ((*path).layer == OF_SURFACE) {
