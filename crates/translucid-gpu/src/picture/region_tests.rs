@@ -1,8 +1,9 @@
 //! Regions of pictures on a device against those of the processor.
 //!
-//! Both sides have the same random numbers and share no light between pixels, so that many samples are the same and the
-//! differences of pixels have a small part of the noise of pixels. Where they are not (what a surface reflects is followed
-//! beside what comes from below on the processor, and one of both here), the noise is that of both.
+//! Both sides have the same random numbers and share no light between pixels, so that most samples are the same and the
+//! differences of pixels have a small part of the noise of pixels. Where they are not (the processor follows what a surface
+//! reflects beside what comes from below, and what glass reflects beside what it lets through, and the device one of both), the
+//! noise is that of both.
 
 #![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
 
@@ -28,8 +29,8 @@ const ERRORS: f64 = 5.0;
 /// Relative standard error of a region's mean at which no more passes are made.
 const PRECISION: f64 = 1e-3;
 /// Samples of a pixel in a pass, and the most passes of graphics processors, and of drivers that calculate on the processor.
-const SAMPLES: u32 = 16;
-const PASSES: (u32, u32) = (256, 2);
+const SAMPLES: u32 = 4;
+const PASSES: (u32, u32) = (1024, 2);
 /// Light below which a region is dark.
 const DARK: f64 = 1e-5;
 /// Scenes drawn at random.

@@ -171,6 +171,8 @@ fn material(draw: &mut Draw, index: usize) -> Material {
 
 /// Light goes below the surface, by a walk or by a profile.
 fn below(draw: &mut Draw, material: &mut Material, is_walk: bool) {
+    // Without reflection both sides follow the same ways
+    material.specular_weight = ScalarInput::constant(draw.of(&[0.0, 0.0, 0.0, 1.0]));
     material.subsurface_weight = ScalarInput::constant(draw.of(&[0.5, 1.0]));
     material.subsurface_color = tinted(draw, 0.2, 0.95);
     material.subsurface_radius = ScalarInput::constant(draw.within(0.03, 0.4));

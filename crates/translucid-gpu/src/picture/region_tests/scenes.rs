@@ -53,6 +53,7 @@ pub(super) fn slabs() -> Scene {
             name: format!("slab {index}"),
             subsurface_model,
             subsurface_eta: 1.3,
+            specular_weight: ScalarInput::constant(0.0),
             ..wax(WalkSurface::Clear)
         });
         let x = 0.7 * (index as f32 - 2.0);

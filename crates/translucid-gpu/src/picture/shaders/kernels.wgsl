@@ -239,10 +239,11 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
     var u: vec4f;
     if (work == COLLIDED) {
         var path = slots[slot].path;
-        u = walk_numbers(&path, 2u * slots[slot].walk.events - 1u);
+        u = walk_numbers(&path, true, 2u * slots[slot].walk.events - 1u);
     } else {
         let is_of_surface = work == AT_SURFACE || work == AT_CATCHER;
-        let number = select(surface_sets(slots[slot].path.flags) + WALK_SETS, 1u, is_of_surface);
+        let of_end = end_set(slots[slot].path.flags, material_at(slots[slot].walk.material));
+        let number = select(of_end, 1u, is_of_surface);
         u = stratified(slots[slot].path.sampler, slots[slot].path.vertex, number);
     }
     var light = slots[slot].light;
