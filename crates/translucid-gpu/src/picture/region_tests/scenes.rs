@@ -52,7 +52,7 @@ pub(super) fn slabs() -> Scene {
         scene.materials.push(Material {
             name: format!("slab {index}"),
             subsurface_model,
-            subsurface_eta: 1.3,
+            subsurface_eta: if index == 0 { 1.0 } else { 1.3 },
             specular_weight: ScalarInput::constant(0.0),
             ..wax(WalkSurface::Clear)
         });

@@ -84,7 +84,7 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
     let direction = (*shadow).direction;
     weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
     let is_body = is_matched && is_passed_alike(met, is_soft);
-    var p = (*met).surface;
+    let p = (*met).surface;
     let is_wall = p.is_thin != 0u && !is_soft;
     var bsdf: Bsdf;
     if (is_body || is_wall) {
