@@ -25,7 +25,6 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/point.wgsl"),
     include_str!("picture/shaders/ray.wgsl"),
     include_str!("picture/shaders/sampler.wgsl"),
-    include_str!("shaders/pcg.wgsl"),
     include_str!("picture/shaders/surface.wgsl"),
     include_str!("picture/shaders/interface.wgsl"),
     include_str!("picture/shaders/facets.wgsl"),

@@ -22,7 +22,6 @@ fn everything() -> Scene {
     let mut scene = scene_of_everything();
     for material in &mut scene.materials {
         material.layers.clear();
-        material.emission_luminance = 0.0;
     }
     scene
 }

@@ -13,6 +13,8 @@ mod light_tests;
 #[cfg(test)]
 mod profile_tests;
 #[cfg(test)]
+mod region_tests;
+#[cfg(test)]
 mod surface_tests;
 #[cfg(test)]
 mod tests;

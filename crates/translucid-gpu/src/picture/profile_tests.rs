@@ -183,7 +183,7 @@ fn plane(material: Material) -> Scene {
 }
 
 /// Radiance of each pixel on the processor and on the device.
-fn both(scene: &Scene, samples: u32) -> [Vec<Vec3>; 2] {
+pub(super) fn both(scene: &Scene, samples: u32) -> [Vec<Vec3>; 2] {
     [None, Some(tracer())].map(|device| {
         let radiance = picture(scene, samples, device).film().layer(FilmLayer::Radiance);
         radiance.chunks(3).map(Vec3::from_slice).collect()
@@ -191,7 +191,7 @@ fn both(scene: &Scene, samples: u32) -> [Vec<Vec3>; 2] {
 }
 
 /// Share of the pixels that differ by more than a relative bound.
-fn differing(both: &[Vec<Vec3>; 2], bound: f32) -> f32 {
+pub(super) fn differing(both: &[Vec<Vec3>; 2], bound: f32) -> f32 {
     let [ours, theirs] = both;
     let is_other = |(a, b): &(&Vec3, &Vec3)| {
         let off = (**a - **b).abs().max_element();

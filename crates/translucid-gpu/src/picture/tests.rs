@@ -6,9 +6,9 @@ use glam::{Affine2, Vec2, Vec3};
 use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
-    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material,
-    Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceModel, TextureRef,
-    WalkSurface, Wrap,
+    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, LayerMedium, Light,
+    Material, Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceLayer,
+    SubsurfaceModel, TextureRef, WalkSurface, Wrap,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 use wgpu::naga;
@@ -97,7 +97,7 @@ fn check(name: &str, scene: &Scene, samples: u32) {
     }
 }
 
-fn shape(name: &str, size: f32, at: Vec3, material: usize, group: u32) -> Object {
+pub(super) fn shape(name: &str, size: f32, at: Vec3, material: usize, group: u32) -> Object {
     let mut mesh = build_shape(name, &ShapeParameters::new()).unwrap();
     mesh.positions.iter_mut().for_each(|position| *position = *position * size + at);
     Object { name: name.into(), mesh: mesh.into(), material, subsurface_group: group, ..Object::default() }
@@ -141,8 +141,8 @@ pub(super) fn wax(surface: WalkSurface) -> Material {
 pub(super) fn lamp() -> Light {
     Light::Rectangle {
         center: Vec3::new(2.0, 4.0, 2.0),
-        edge_x: Vec3::Z,
-        edge_y: Vec3::X,
+        edge_x: Vec3::X,
+        edge_y: Vec3::Z,
         radiance: Vec3::splat(20.0),
         visible: true,
     }
@@ -223,12 +223,102 @@ fn textures_have_the_means_of_the_processor() {
         ..matte()
     };
     let mut scene = scene(ball, matte());
-    let mut mesh = Mesh::clone(&scene.objects[0].mesh);
-    mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
-    mesh.colors = mesh.positions.iter().map(|p| p.abs()).collect();
-    scene.objects[0].mesh = Arc::new(mesh);
+    color_by_place(&mut scene.objects[0]);
     scene.images.push(Arc::new(texture()));
     check("textures", &scene, 16);
+}
+
+/// A ball that is bright in parts, and there in parts, sheds the light on a block that paths find.
+#[test]
+fn emission_that_varies_has_the_means_of_the_processor() {
+    let map = TextureRef { image_from_uv: Affine2::from_scale(Vec2::splat(1.7)), ..TextureRef::new(0) };
+    let color = ColorInput { factor: Vec3::new(0.9, 0.7, 0.5), texture: Some(map), vertex_color: true };
+    let ball = Material { emission_luminance: 3.0, emission_color: color, ..matte() };
+    let partly = ScalarInput { factor: 0.8, texture: Some((map, Channel::Alpha)) };
+    for (name, material) in [
+        ("a texture and vertex colors", ball.clone()),
+        ("opacity", Material { geometry_opacity: partly, ..ball }),
+    ] {
+        let mut scene = scene(material, matte());
+        color_by_place(&mut scene.objects[0]);
+        scene.images.push(Arc::new(texture()));
+        scene.environment = None;
+        check(name, &scene, 16);
+    }
+}
+
+/// Gives an object texture coordinates and vertex colors that are functions of the place.
+fn color_by_place(object: &mut Object) {
+    let mesh = Arc::make_mut(&mut object.mesh);
+    mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
+    mesh.colors = mesh.positions.iter().map(|p| p.abs()).collect();
+}
+
+/// A pane lets light pass straight, whichever way it comes: the light of lamps with a size and without one.
+#[test]
+fn thin_walls_have_the_means_of_the_processor() {
+    let pane = Material {
+        name: "pane".into(),
+        geometry_thin_walled: true,
+        transmission_weight: ScalarInput::constant(0.9),
+        transmission_color: ColorInput::constant(Vec3::new(0.9, 0.7, 0.8)),
+        specular_roughness: ScalarInput::constant(0.0),
+        ..matte()
+    };
+    let leaf = Material {
+        subsurface_weight: ScalarInput::constant(0.8),
+        subsurface_scatter_anisotropy: 0.4,
+        specular_roughness: ScalarInput::constant(0.4),
+        ..pane.clone()
+    };
+    for (name, wall, caustics) in
+        [("pane", pane.clone(), false), ("pane with caustics", pane, true), ("leaf", leaf, true)]
+    {
+        let mut scene = scene(matte(), matte());
+        scene.materials.push(wall);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mesh = Mesh {
+            positions: corners.map(|[x, y]| Vec3::new(6.0 * x - 3.0, 1.5 + y, 4.0 - 4.0 * y)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        scene.objects.push(Object {
+            name: "wall".into(),
+            mesh: mesh.into(),
+            material: 2,
+            ..Object::default()
+        });
+        scene.integrator.caustics = caustics;
+        scene.lights.push(lamp());
+        scene.lights.push(Light::Distant {
+            direction: -Vec3::Y,
+            angular_radius: 0.0,
+            irradiance: Vec3::splat(2.0),
+        });
+        check(name, &scene, 16);
+    }
+}
+
+/// Shadows of a ball on a block of which nothing else is seen, in light of all kinds, also behind glass and a body of wax.
+#[test]
+fn shadow_catchers_have_the_means_of_the_processor() {
+    let catcher = Material { camera_visibility: CameraVisibility::Shadow, ..matte() };
+    let glass = Material {
+        transmission_weight: ScalarInput::constant(0.9),
+        geometry_opacity: ScalarInput::constant(0.8),
+        ..matte()
+    };
+    let clear = Material { subsurface_radius: ScalarInput::constant(3.0), ..wax(WalkSurface::Clear) };
+    for (name, ball) in [("matte", matte()), ("glass", glass), ("wax", clear)] {
+        let mut scene = scene(ball, catcher.clone());
+        scene.objects[1] = shape("box", 3.0, Vec3::new(0.0, -4.0, 0.0), 1, 1);
+        scene.lights = vec![
+            lamp(),
+            Light::Distant { direction: -Vec3::Y, angular_radius: 0.0, irradiance: Vec3::splat(2.0) },
+        ];
+        scene.environment = scene.environment.map(|sky| Environment { visible: false, ..sky });
+        check(name, &scene, 16);
+    }
 }
 
 #[test]
@@ -288,12 +378,10 @@ pub(super) fn refusal(scene: Scene) -> String {
 
 #[test]
 fn scenes_that_devices_lack_something_for_are_refused_by_name() {
-    let shadow = Material { camera_visibility: CameraVisibility::Shadow, ..matte() };
-    let lamp = Material { emission_luminance: 1.0, emission_color: ColorInput::vertex(), ..matte() };
-    for (material, expected) in [(shadow, "camera_visibility"), (lamp, "emission")] {
-        let error = refusal(scene(material, matte()));
-        assert!(error.contains(expected) && error.contains("material"), "{error}");
-    }
+    let medium = LayerMedium::Coefficients { scattering: Vec3::ONE, absorption: Vec3::ONE };
+    let layers = vec![SubsurfaceLayer { thickness: 0.1, medium, g: 0.0 }];
+    let error = refusal(scene(Material { layers, ..wax(WalkSurface::Clear) }, matte()));
+    assert!(error.contains("material wax has layers, which devices lack"), "{error}");
 }
 
 /// Light without size is not found below a refracting boundary, where no light sample comes; light of any size is.

@@ -1,4 +1,5 @@
-//! Walks on a device: a slab against photons that know no ray of a renderer.
+//! Walks on a device: a slab against photons that know no ray of a renderer, pictures against the processor pixel by pixel, and
+//! the random numbers of late events.
 
 #![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
 
@@ -12,10 +13,12 @@ use translucid_scene::{
     Camera, ColorInput, Environment, Film, Material, Mesh, Object, Projection, ScalarInput, Scene,
     WalkSurface,
 };
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 use super::Tracer;
-use super::tests::{picture, tracer, wax};
+use super::evaluate::Evaluation;
+use super::profile_tests::{both, differing};
+use super::tests::{lamp, matte, picture, scene, tracer, wax};
 
 /// Standard errors that two means may be apart; a false alarm has a probability of 7e-6 a comparison.
 const ERRORS: f64 = 4.5;
@@ -101,3 +104,54 @@ fn a_slab_in_even_light_is_that_of_photons() {
         assert!((found - truth.value).abs() <= allowed, "channel {c}: {found}, not {}", truth.value);
     }
 }
+
+/// A ball under a lamp is the processor's in nearly every pixel, as its walks have the same numbers: rounding leads few of them
+/// to other surfaces.
+#[test]
+fn walks_are_those_of_the_processor() {
+    let surfaces =
+        if translucid_testing::is_thorough() { &WalkSurface::ALL[..] } else { &WalkSurface::ALL[..2] };
+    for &surface in surfaces {
+        let bare = ScalarInput::constant(0.0);
+        let ball = Material { specular_weight: bare, subsurface_scatter_anisotropy: 0.3, ..wax(surface) };
+        let mut scene = scene(ball, Material { specular_weight: bare, ..matte() });
+        scene.lights.push(lamp());
+        scene.integrator.subsurface_sharing = false;
+        let found = both(&scene, 4);
+        let share = differing(&found, 1e-3);
+        println!("{}: {share} of the pixels differ", surface.name_of_walk());
+        assert!(share <= 0.1, "{}: {share} of the pixels differ", surface.name_of_walk());
+    }
+}
+
+/// Numbers behind the stratified ones are those of SplitMix64 in their order.
+#[test]
+fn late_numbers_are_split_mix() {
+    let evaluation = Evaluation {
+        shaders: &[SETTINGS, include_str!("shaders/sampler.wgsl")],
+        body: "let low = hash_combine(hash_combine(u32(inputs[i]), u32(inputs[i + 1])), u32(inputs[i + 2]));
+            let u = independent(Sampler(u32(inputs[i]), u32(inputs[i + 2])), u32(inputs[i + 1]), u32(inputs[i + 3]));
+            for (var k = 0u; k < 4u; k += 1u) { outputs[o + k] = u[k]; }
+            outputs[o + 4] = bitcast<f32>(low); outputs[o + 5] = bitcast<f32>(hash_combine(low ^ 0x5bd1e995u, u32(inputs[i + 2])));",
+        tables: &[0.0],
+        images: &[0],
+        widths: [4, 6],
+    };
+    let inputs: Vec<f32> =
+        (0..400_u16).flat_map(|i| [i * 37, i % 24, i * 5, i % 50].map(f32::from)).collect();
+    for (input, found) in inputs.chunks(4).zip(evaluation.run(&inputs).chunks(6)) {
+        let mut random = SplitMix(u64::from(found[4].to_bits()) | u64::from(found[5].to_bits()) << 32);
+        let words: Vec<u64> = (0..2 * (input[3] as usize + 1)).map(|_| random.bits()).collect();
+        let last = &words[words.len() - 2..];
+        let expected = [last[0], last[0] >> 32, last[1], last[1] >> 32];
+        let expected = expected.map(|bits| (bits & 0xff_ffff) as f32 / 16_777_216.0);
+        assert_eq!(found[..4], expected, "{input:?}");
+    }
+}
+
+/// What the sampler's shader needs of others, for a test that asks for none of it.
+const SETTINGS: &str = "struct Settings { seed: vec2u }
+const settings = Settings(vec2u(0u));
+const SOBOL = 0u;
+fn head(place: u32) -> u32 { return u32(tables[place]); }
+";

@@ -23,7 +23,7 @@
 //!          6 environment from world, row by row, 15 irradiances of +x, −x, +y, −y, +z, −z,
 //!          21 where texels begin, 22 where the choice of a row begins, 23 where those of cells begin,
 //!          then sin² and cos² of half the polar angle for each edge of a row, then for each row its solid angle
-//! triangle corners, mean radiance
+//! triangle corners, mean radiance, and where its emission varies its number among the scene's triangles, else −1
 //! choice   for each entry and behind the last 2³¹ × the probability of those before it
 //! ```
 //!
@@ -42,8 +42,10 @@ use crate::render::PreparedScene;
 /// Words of the head, of a placed light, of a triangle and of an image.
 const HEADER: usize = 15;
 const LIGHT_WORDS: usize = 19;
-const TRIANGLE_WORDS: usize = 12;
+const TRIANGLE_WORDS: usize = 13;
 const MAP_HEADER: usize = 24;
+/// Word of the head that states where triangles begin.
+const TRIANGLES_AT: usize = 9;
 
 /// Kinds of placed lights.
 const RECTANGLE: usize = 0;
@@ -105,6 +107,12 @@ impl LightWords {
     pub fn triangle(&self, primitive: u64) -> Option<u32> {
         self.primitives.binary_search(&primitive).ok().map(|number| number as u32)
     }
+
+    /// Has the emission of a triangle of a number looked up on its surface, which is that of another among the scene's.
+    pub(super) fn look_up(&mut self, number: u32, place: usize) {
+        let last = self.tables[TRIANGLES_AT] as usize + (number as usize + 1) * TRIANGLE_WORDS - 1;
+        self.tables[last] = place as f32;
+    }
 }
 
 /// The lights of a prepared scene as words.
@@ -159,6 +167,7 @@ fn of_set(set: &LightSet) -> Result<LightWords, SceneError> {
     for triangle in triangles {
         let words = triangle.vertices.into_iter().chain([triangle.radiance]);
         tables.extend(words.flat_map(|vector| vector.to_array()));
+        tables.push(-1.0);
     }
     let mut tree_places = [0.0; 5];
     if let (BY_TREE, Some((tree, apart))) = (way, tree) {

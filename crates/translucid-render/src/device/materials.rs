@@ -60,9 +60,6 @@ impl<'a> Materials<'a> {
         let lacks = |what: &str| {
             Err(SceneError::new(format!("material {} has {what}, which devices lack", material.name)))
         };
-        if material.camera_visibility == CameraVisibility::Shadow {
-            return lacks("camera_visibility = \"shadow\"");
-        }
         let below = match transports.of(index) {
             SubsurfaceTransport::Lambertian => [0.0; 6],
             SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
@@ -87,9 +84,6 @@ impl<'a> Materials<'a> {
                 }
             }
         };
-        if has_varied_emission(material) {
-            return lacks("emission from a texture, from vertex colors or through opacity");
-        }
         let start = self.words.len();
         for input in [
             &material.base_color,
@@ -128,7 +122,11 @@ impl<'a> Materials<'a> {
             material.emission_luminance.max(0.0),
             number(material.geometry_thin_walled.into()),
             map.map_or(1.0, |map| map.scale),
-            number((material.camera_visibility == CameraVisibility::None).into()),
+            match material.camera_visibility {
+                CameraVisibility::Surface => 0.0,
+                CameraVisibility::None => 1.0,
+                CameraVisibility::Shadow => 2.0,
+            },
         ]);
         self.words.extend(below);
         self.words.push(number(reflectance_at));
@@ -227,13 +225,10 @@ fn number(of: usize) -> f32 {
     of as f32
 }
 
-/// Returns `true` if a material emits light in other ways than a constant.
-fn has_varied_emission(material: &Material) -> bool {
-    if material.emission_luminance <= 0.0 {
-        return false;
-    }
-    material.emission_color.texture.is_some()
-        || material.emission_color.vertex_color
-        || material.geometry_opacity.texture.is_some()
-        || material.geometry_opacity.factor < 1.0
+/// Returns `true` if a material's emission is not the same everywhere, or only where its surface is.
+pub(super) fn has_varied_emission(material: &Material) -> bool {
+    let ScalarInput { factor, texture } = &material.geometry_opacity;
+    let color = &material.emission_color;
+    material.emission_luminance > 0.0
+        && (color.texture.is_some() || color.vertex_color || texture.is_some() || *factor < 1.0)
 }

@@ -7,7 +7,7 @@ use translucid_scene::{SceneError, SubsurfaceMethod};
 use super::images;
 use super::lights::lights;
 use super::limits::DeviceLimits;
-use super::materials::{Materials, TEXTURE_WORDS};
+use super::materials::{Materials, TEXTURE_WORDS, has_varied_emission};
 use super::tables::material_tables;
 use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
 use crate::render::{FILTER_TABLE, PreparedScene, View};
@@ -98,9 +98,14 @@ impl DeviceScene {
                 "integrator.subsurface_method is not \"ray-traced\", which devices lack",
             ));
         }
-        let lights = lights(prepared)?;
+        let mut lights = lights(prepared)?;
         let light_of = |object, triangle| lights.triangle(world.geometry.primitive(object, triangle));
         let triangles = Triangles::new(scene, limits, light_of)?;
+        for (place, material, light) in triangles.lights() {
+            if has_varied_emission(&scene.materials[material]) {
+                lights.look_up(light, place);
+            }
+        }
 
         let mut tables = vec![0.0; Header::Count as usize];
         let mut reflectances: Vec<([f32; 2], usize)> = Vec::new();

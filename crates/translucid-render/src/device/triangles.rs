@@ -111,6 +111,13 @@ impl Triangles {
         Ok(new)
     }
 
+    /// Places of the triangles that are lights, with their materials and numbers as lights.
+    pub(super) fn lights(&self) -> impl Iterator<Item = (usize, usize, u32)> {
+        let triangles = self.triangles.as_chunks::<{ TRIANGLE_WORDS as usize }>().0.iter().enumerate();
+        let all = triangles.map(|(place, words)| (place, words[3] as usize, words[7]));
+        all.filter(|&(_, _, light)| light != NO_LIGHT)
+    }
+
     fn push(&mut self, object: &Object, triangle: u32, light: u32) {
         let vertices = object.vertices(triangle as usize);
         let behind = [object.material as u32, light, object.subsurface_group];

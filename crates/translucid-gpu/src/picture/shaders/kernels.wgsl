@@ -13,6 +13,10 @@
 
 override group_size: u32 = 64u;
 
+// As in `path/shadow_catcher.rs` of the renderer.
+const SHADOW_CANDIDATES = 16u;
+const SHADOW_STEPS = vec3f(0.8191725, 0.6710436, 0.5497005);
+
 @compute @workgroup_size(group_size)
 fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
     let slot = id.x;
@@ -42,7 +46,7 @@ fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
         enqueue(PROBES, slot);
     }
     // Those that wait for their last light sample
-    if (work == AT_SURFACE || work == COLLIDED || work == AT_MATTE_END) {
+    if (work == AT_SURFACE || work == COLLIDED || work == AT_MATTE_END || work == AT_CATCHER) {
         enqueue(SCATTERS, slot);
     }
     if (has_shadow && work != IDLE) {
@@ -217,7 +221,7 @@ fn meet_surfaces(@builtin(global_invocation_id) id: vec3u) {
         reach_end(&path, &walk, &met, &light);
         slots[slot].walk = walk;
     }
-    if (path.work == AT_SURFACE || path.work == AT_MATTE_END) {
+    if (path.work == AT_SURFACE || path.work == AT_MATTE_END || path.work == AT_CATCHER) {
         enqueue_scattering(slot, light.kind);
     }
     slots[slot].path = path;
@@ -235,19 +239,53 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
     var u: vec4f;
     if (work == COLLIDED) {
         var path = slots[slot].path;
-        u = walk_numbers(&path, 2u * slots[slot].walk.events - 1u);
+        u = walk_numbers(&path, true, 2u * slots[slot].walk.events - 1u);
     } else {
-        let number = select(surface_sets(slots[slot].path.flags) + WALK_SETS, 1u, work == AT_SURFACE);
+        let is_of_surface = work == AT_SURFACE || work == AT_CATCHER;
+        let of_end = end_set(slots[slot].path.flags, material_at(slots[slot].walk.material));
+        let number = select(of_end, 1u, is_of_surface);
         u = stratified(slots[slot].path.sampler, slots[slot].path.vertex, number);
     }
     var light = slots[slot].light;
-    let sample = light_sample(light.point, light.normal, u.x, u.yz);
-    light.direction = sample.direction;
-    light.distance = min(sample.distance, NEVER);
-    light.radiance = sample.radiance;
-    light.pdf = sample.pdf;
-    light.random = u.w;
-    light.kind = select(NO_LIGHT, select(USABLE, DELTA, sample.is_delta), sample.is_usable);
+    light.kind = NO_LIGHT;
+    // One of several samples for shadows that are all that is seen, in proportion to its light
+    let candidates = select(1u, SHADOW_CANDIDATES, work == AT_CATCHER);
+    var choice = u.w;
+    var all = 0.0;
+    for (var n = 0u; n < candidates; n += 1u) {
+        let v = fract(u.xyz + SHADOW_STEPS * f32(n));
+        let sample = light_sample(light.point, light.normal, v.x, v.yz);
+        if (!sample.is_usable) {
+            continue;
+        }
+        var radiance = sample.radiance;
+        if (sample.triangle != NO_TRIANGLE) {
+            let place = triangle_light_surface(sample.triangle);
+            if (place >= 0.0) {
+                radiance = emission_at(u32(place), triangle_light_place(v.yz));
+            }
+        }
+        if (work == AT_CATCHER) {
+            let weight = light_luminance(radiance) * max(dot(light.normal, sample.direction), 0.0) / sample.pdf;
+            if (!(weight > 0.0 && weight < NEVER)) {
+                continue;
+            }
+            all += weight;
+            // What is left of a choice decides the next one
+            let share = weight / all;
+            let is_chosen = choice < share;
+            choice = select((choice - share) / (1.0 - share), choice / share, is_chosen);
+            if (!is_chosen) {
+                continue;
+            }
+        }
+        light.direction = sample.direction;
+        light.distance = min(sample.distance, NEVER);
+        light.radiance = radiance;
+        light.pdf = sample.pdf;
+        light.random = choice;
+        light.kind = select(USABLE, DELTA, sample.is_delta);
+    }
     slots[slot].light = light;
 }
 
@@ -264,6 +302,11 @@ fn scatter_paths(@builtin(global_invocation_id) id: vec3u) {
         var met = slots[slot].met;
         var found = slots[slot].found;
         scatter_at_surface(slot, &path, &found, &met, &light, &shadow);
+        slots[slot].found = found;
+    } else if (path.work == AT_CATCHER) {
+        var met = slots[slot].met;
+        var found = slots[slot].found;
+        look_for_shadow(&path, &found, &met, &light, &shadow);
         slots[slot].found = found;
     } else {
         var walk = slots[slot].walk;

@@ -12,7 +12,7 @@ var<private> lights_at: u32;
 // Words of the head, of a placed light and of an emissive triangle.
 const LIGHT_HEADER = 15u;
 const LIGHT_WORDS = 19u;
-const LIGHT_TRIANGLE_WORDS = 12u;
+const LIGHT_TRIANGLE_WORDS = 13u;
 
 // Kinds of placed lights.
 const LIGHT_RECTANGLE = 0u;

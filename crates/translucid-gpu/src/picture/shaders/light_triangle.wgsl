@@ -1,5 +1,5 @@
 // A triangle that emits on the side from which its corners are seen counter-clockwise, drawn uniformly in area. Words: corners,
-// mean radiance.
+// mean radiance, and where its emission varies its number among the scene's triangles, else −1.
 
 fn triangle_light_at(triangle: u32) -> u32 {
     return lights_at + light_number(9u) + triangle * LIGHT_TRIANGLE_WORDS;
@@ -35,14 +35,21 @@ fn triangle_light_elevation(at: u32, point: vec3f) -> f32 {
     return dot(point - a, cross(light_vector(at + 3u) - a, light_vector(at + 6u) - a));
 }
 
-// By barycentric coordinates uniform in area [Heitz 2019, "A Low-Distortion Map Between Triangle and Square"].
+fn triangle_light_surface(triangle: u32) -> f32 {
+    return tables[triangle_light_at(triangle) + 12u];
+}
+
+// Barycentric coordinates uniform in area [Heitz 2019, "A Low-Distortion Map Between Triangle and Square"].
+fn triangle_light_place(u: vec2f) -> vec2f {
+    return select(vec2f(u.x - 0.5 * u.y, 0.5 * u.y), vec2f(0.5 * u.x, u.y - 0.5 * u.x), u.y > u.x);
+}
+
 fn triangle_light_sample(triangle: u32, point: vec3f, u: vec2f) -> LightSample {
     let at = triangle_light_at(triangle);
     let a = light_vector(at);
-    let s = select(u.x - 0.5 * u.y, 0.5 * u.x, u.y > u.x);
-    let t = select(0.5 * u.y, u.y - 0.5 * u.x, u.y > u.x);
+    let b = triangle_light_place(u);
     // From the corner a, so that far from the origin the offsets keep their digits
-    let offset = (a - point) + (light_vector(at + 3u) - a) * s + (light_vector(at + 6u) - a) * t;
+    let offset = (a - point) + (light_vector(at + 3u) - a) * b.x + (light_vector(at + 6u) - a) * b.y;
     let distance = length(offset);
     let pdf = triangle_light_pdf(triangle, point, offset);
     if (distance <= 0.0 || pdf <= 0.0) {

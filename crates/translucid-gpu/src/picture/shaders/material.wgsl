@@ -31,7 +31,10 @@ const COAT_IOR = 89u;
 const EMISSION_LUMINANCE = 90u;
 const THIN_WALLED = 91u;
 const NORMAL_SCALE = 92u;
-const HIDDEN_FROM_CAMERA = 93u;
+// What the camera sees: the surface, nothing, or shadows on it.
+const CAMERA_VISIBILITY = 93u;
+const NOT_SEEN = 1u;
+const SHADOWS_SEEN = 2u;
 // What is below: nothing, a walk's medium or a profile.
 const BELOW_KIND = 94u;
 const WALK_BELOW = 1u;
@@ -123,27 +126,46 @@ struct Met {
     surface: Surface,
 }
 
+// The value of an input at a point.
+fn input_at(place: u32, point: Point) -> vec3f {
+    var value = table_color(place);
+    let kind = u32(tables[place + 4u]);
+    if (tables[place + 3u] >= 0.0) {
+        let texel = textured(tables[place + 3u], point.uv);
+        if (kind < 2u) {
+            value *= texel.rgb;
+        } else {
+            value *= texel[kind - 2u];
+        }
+    }
+    if (kind == 1u) {
+        value *= point.color;
+    }
+    return value;
+}
+
+// Emission at a place of a triangle, on average over whether the surface is there.
+fn emission_at(triangle: u32, b: vec2f) -> vec3f {
+    let point = point_at(triangle, b);
+    let m = material_at(point.material);
+    var values: array<vec3f, 2>;
+    for (var k = 0u; k < 2u; k += 1u) {
+        values[k] = input_at(m + INPUT_WORDS * select(OPACITY, EMISSION_COLOR, k == 0u), point);
+    }
+    return emitted(values[0], m) * unit(values[1]).x;
+}
+
+fn emitted(color: vec3f, m: u32) -> vec3f {
+    return clamp(color, vec3f(0.0), vec3f(GREATEST_EMISSION)) * tables[m + EMISSION_LUMINANCE];
+}
+
 // Everything at a point: one loop over inputs, for drivers copy what is called into every place.
 fn met_at(triangle: u32, b: vec2f) -> Met {
     let point = point_at(triangle, b);
     let m = material_at(point.material);
     var values: array<vec3f, INPUTS>;
     for (var k = 0u; k < INPUTS; k += 1u) {
-        let place = m + INPUT_WORDS * k;
-        var value = table_color(place);
-        let kind = u32(tables[place + 4u]);
-        if (tables[place + 3u] >= 0.0) {
-            let texel = textured(tables[place + 3u], point.uv);
-            if (kind < 2u) {
-                value *= texel.rgb;
-            } else {
-                value *= texel[kind - 2u];
-            }
-        }
-        if (kind == 1u) {
-            value *= point.color;
-        }
-        values[k] = value;
+        values[k] = input_at(m + INPUT_WORDS * k, point);
     }
     var met: Met;
     met.position = point.position;
@@ -155,7 +177,7 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     met.light = point.light;
     met.normal = bent_normal(point, m, values[NORMAL_MAP]);
     met.opacity = clamp(values[OPACITY].x, 0.0, 1.0);
-    met.emission = clamp(values[EMISSION_COLOR], vec3f(0.0), vec3f(GREATEST_EMISSION)) * tables[m + EMISSION_LUMINANCE];
+    met.emission = emitted(values[EMISSION_COLOR], m);
     let is_thin = tables[m + THIN_WALLED] > 0.0;
     var p: Surface;
     p.base_color = unit(values[BASE_COLOR]) * tables[m + BASE_WEIGHT];

@@ -1,5 +1,6 @@
 // Random numbers of a path, a function of seed, pixel and sample: Sobol's sequence under scrambles of its own for every four
-// dimensions [B. Burley 2020, Practical Hash-based Owen Scrambling, JCGT 9(4)], as on the processor.
+// dimensions [B. Burley 2020, Practical Hash-based Owen Scrambling, JCGT 9(4)], then S. Vigna's SplitMix64 in walks, as on the
+// processor.
 
 struct Sampler {
     seed: u32,
@@ -41,9 +42,44 @@ fn stratified(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
     return in_unit(reverseBits(scrambled));
 }
 
-// Four independent numbers in [0, 1).
-fn independent(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
-    return in_unit(pcg4d(vec4u(sampler.seed, sampler.index, vertex, number)));
+// Four independent numbers in [0, 1): a set of those that are forked where a set is the next one.
+fn independent(sampler: Sampler, next: u32, number: u32) -> vec4f {
+    let low = hash_combine(hash_combine(sampler.seed, next), sampler.index);
+    let start = vec2u(low, hash_combine(low ^ 0x5bd1e995u, sampler.index));
+    let step = vec2u(0x7f4a7c15u, 0x9e3779b9u);
+    var bits = vec4u(0u);
+    for (var k = 0u; k < 2u; k += 1u) {
+        let word = mixed_64(sum_64(start, product_64(step, vec2u(2u * number + k + 1u, 0u))));
+        bits = select(vec4u(bits.xy, word), vec4u(word, 0u, 0u), k == 0u);
+    }
+    return vec4f(bits & vec4u(0xffffffu)) * (1.0 / 16777216.0);
+}
+
+// Arithmetic of 64 bits, the lower first.
+fn sum_64(a: vec2u, b: vec2u) -> vec2u {
+    let low = a.x + b.x;
+    return vec2u(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+fn product_64(a: vec2u, b: vec2u) -> vec2u {
+    let a_parts = vec2u(a.x & 0xffffu, a.x >> 16u);
+    let b_parts = vec2u(b.x & 0xffffu, b.x >> 16u);
+    let outer = a_parts * b_parts;
+    let inner = a_parts * b_parts.yx;
+    let middle = (outer.x >> 16u) + (inner.x & 0xffffu) + (inner.y & 0xffffu);
+    let high = outer.y + (inner.x >> 16u) + (inner.y >> 16u) + (middle >> 16u);
+    return vec2u((outer.x & 0xffffu) | (middle << 16u), high + a.x * b.y + a.y * b.x);
+}
+
+fn mixed_64(word: vec2u) -> vec2u {
+    var z = product_64(shifted_into(word, 30u), vec2u(0x1ce4e5b9u, 0xbf58476du));
+    z = product_64(shifted_into(z, 27u), vec2u(0x133111ebu, 0x94d049bbu));
+    return shifted_into(z, 31u);
+}
+
+// z ^ (z >> by).
+fn shifted_into(z: vec2u, by: u32) -> vec2u {
+    return z ^ vec2u((z.x >> by) | (z.y << (32u - by)), z.y >> by);
 }
 
 fn word_at(place: u32) -> u32 {

@@ -32,8 +32,10 @@ fn weight_of(light: ptr<function, Light>, pdf: f32) -> f32 {
 }
 
 fn deposit(slot: u32, shadow: ptr<function, Shadow>) {
-    if ((*shadow).is_subsurface != 0u) {
+    if ((*shadow).layer == TO_SUBSURFACE) {
         slots[slot].found.subsurface += (*shadow).matte;
+    } else if ((*shadow).layer == TO_ALPHA) {
+        slots[slot].found.alpha -= coverage(slots[slot].path.throughput) * min(light_luminance((*shadow).matte), 1.0);
     } else {
         slots[slot].found.matte += (*shadow).matte;
         slots[slot].found.specular += (*shadow).specular;
@@ -81,11 +83,26 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
     let rest = select((*shadow).t_max - (*shadow).hit_t, NEVER, (*shadow).t_max >= NEVER);
     let direction = (*shadow).direction;
     weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
-    if (is_matched && is_passed_alike(met, is_soft)) {
-        enter_body(shadow, met, rest);
+    let is_body = is_matched && is_passed_alike(met, is_soft);
+    let p = (*met).surface;
+    let is_wall = p.is_thin != 0u && !is_soft;
+    var bsdf: Bsdf;
+    if (is_body || is_wall) {
+        var seen = p;
+        var normal = (*met).normal;
+        if (is_soft) {
+            seen = surface_seen_softly(p);
+        }
+        if (is_wall) {
+            normal = facing(normal, (*met).geometric, -direction);
+        }
+        bsdf = bsdf_new(seen, to_local(frame_of(normal), -direction));
+    }
+    if (is_body) {
+        let passed = select(vec3f(0.0), bsdf.below, bsdf.choose_below > 0.0 && !bsdf.is_thin);
+        enter_body(shadow, met, rest, passed);
         return;
     }
-    let p = (*met).surface;
     var passed = vec3f(1.0 - (*met).opacity);
     let clear = select(0.0, p.transmission_weight * (1.0 - p.metalness), is_soft);
     if (clear > 0.0) {
@@ -93,13 +110,16 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
         let cosine = abs(dot(direction, (*met).smooth_normal));
         passed += straight_transmittance(p, cosine) * ((*met).opacity * clear);
     }
+    if (is_wall) {
+        passed += bsdf_straight_through_wall(&bsdf) * (*met).opacity;
+    }
     weaken(shadow, passed);
     (*shadow).origin = ray_origin(met, direction);
     (*shadow).t_max = rest;
 }
 
-// Begins the way through a body of a light that nothing scatters there.
-fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32) {
+// Begins the way through a body of a light that nothing scatters there; its surface lets a part in.
+fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32, passed: vec3f) {
     let direction = (*shadow).direction;
     let side = select(1.0, -1.0, dot(direction, (*met).geometric) > 0.0);
     let normal = (*met).geometric * side;
@@ -109,12 +129,7 @@ fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32)
         return;
     }
     let scatters = (*met).length > vec3f(0.0);
-    var p = (*met).surface;
-    if ((*shadow).is_soft != 0u) {
-        p = surface_seen_softly(p);
-    }
-    let bsdf = bsdf_new(p, to_local(frame_of((*met).normal), -direction));
-    weaken(shadow, select(vec3f(0.0), bsdf.below, bsdf.choose_below > 0.0 && !bsdf.is_thin));
+    weaken(shadow, passed);
     if ((*shadow).stage == NO_SHADOW) {
         return;
     }

@@ -15,6 +15,7 @@ const PROBE_NEXT = 10u; // the next probe for an entry point to be drawn
 const PROBE_RAY = 11u;  // a probe to be followed to its next hit
 const PROBE_HIT = 12u;  // what the probe has met
 const PROBE_END = 13u;  // the entry point there
+const AT_CATCHER = 14u; // a light sample for the shadows on a surface that is not seen itself
 
 // Layer of the picture that a path brings light to.
 const OF_EMISSION = 0u;
@@ -26,6 +27,11 @@ const HAS_MET = 1u;    // a surface that the camera sees
 const SOFT = 2u;       // it has left a matte surface, and there are no caustics
 const IS_FIRST = 4u;   // the surface at hand is the first that the camera sees
 const UNLIT = 8u;      // the surface at hand has taken no numbers for a light sample
+
+// Layers that a light sample brings light to.
+const TO_SURFACE = 0u;
+const TO_SUBSURFACE = 1u;
+const TO_ALPHA = 2u;   // what arrives takes from the shadows
 
 // Stages of a light sample.
 const NO_SHADOW = 0u;
@@ -111,9 +117,9 @@ struct Shadow {
     stage: u32,
     direction: vec3f,
     t_max: f32,
-    // Light for the layers of matte and specular reflection, or for that of subsurface scattering.
+    // Light for the layers of matte and specular reflection, or all of it for another.
     matte: vec3f,
-    is_subsurface: u32,
+    layer: u32,
     specular: vec3f,
     passes: u32,
     absorption: vec3f,

@@ -33,8 +33,8 @@ fn meet(path: ptr<function, Path>, found: ptr<function, Found>, met: ptr<functio
         pdf = environment_pdf(odds, (*path).mis_normal, (*path).direction);
     } else {
         (*path).throughput *= absorbed((*path).absorption, (*path).hit_t);
-        let is_hidden = tables[material_at((*met).material) + HIDDEN_FROM_CAMERA] > 0.0 && of_camera;
-        if (!is_hidden && dot((*path).direction, (*met).geometric) < 0.0 && greatest((*met).emission) > 0.0) {
+        let is_hidden = is_hidden_from(of_camera, material_at((*met).material));
+        if (!is_hidden && !catches_shadows(path, material_at((*met).material)) && dot((*path).direction, (*met).geometric) < 0.0 && greatest((*met).emission) > 0.0) {
             radiance = (*met).emission * (*met).opacity;
             if ((*met).light != NO_TRIANGLE) {
                 pdf = emissive_triangle_pdf(odds, (*met).light, (*path).mis_point, (*met).position);
@@ -50,6 +50,45 @@ fn meet(path: ptr<function, Path>, found: ptr<function, Found>, met: ptr<functio
     arrive(path, found, met, light, of_camera);
 }
 
+fn is_hidden_from(of_camera: bool, m: u32) -> bool {
+    return of_camera && u32(tables[m + CAMERA_VISIBILITY]) == NOT_SEEN;
+}
+
+// Returns true where the camera sees only shadows: also behind a body, which covers as much as it keeps.
+fn catches_shadows(path: ptr<function, Path>, m: u32) -> bool {
+    return (*path).depth == 0u && u32(tables[m + CAMERA_VISIBILITY]) == SHADOWS_SEEN;
+}
+
+// How far what lies behind is seen through what the path has passed.
+fn coverage(throughput: vec3f) -> f32 {
+    return min(sum(throughput) * (1.0 / 3.0), 1.0);
+}
+
+// Sends the light sample of a surface of which only shadows are seen: what arrives, as a share of what was sent, is missing
+// in its coverage.
+fn look_for_shadow(
+    path: ptr<function, Path>,
+    found: ptr<function, Found>,
+    met: ptr<function, Met>,
+    light: ptr<function, Light>,
+    shadow: ptr<function, Shadow>,
+) {
+    (*path).work = ENDED;
+    (*found).alpha = 1.0;
+    let sent = light_luminance((*light).radiance);
+    if ((*light).kind == NO_LIGHT || !(sent > 0.0)) {
+        (*found).alpha -= coverage((*path).throughput);
+        return;
+    }
+    (*shadow).layer = TO_ALPHA;
+    (*shadow).matte = (*light).radiance / sent;
+    (*shadow).specular = vec3f(0.0);
+    (*shadow).absorption = (*path).absorption;
+    (*shadow).is_soft = u32(head(CAUSTICS) == 0u);
+    (*shadow).passes = 0u;
+    send(shadow, met, (*light).direction, (*light).distance);
+}
+
 // At a surface: passed, or to scatter the path beside a light sample.
 fn arrive(
     path: ptr<function, Path>,
@@ -61,13 +100,19 @@ fn arrive(
     let m = material_at((*met).material);
     let p = (*met).surface;
     let u = stratified((*path).sampler, (*path).vertex, 0u);
-    let is_hidden = tables[m + HIDDEN_FROM_CAMERA] > 0.0 && of_camera;
+    let is_hidden = is_hidden_from(of_camera, m);
     let clear = p.transmission_weight * (1.0 - p.metalness);
     if (is_hidden || ((*met).opacity < 1.0 && u.w >= (*met).opacity)) {
         pass_surface(path, met, vec3f(1.0));
         return;
     }
     let incoming = (*path).direction;
+    if (catches_shadows(path, m)) {
+        let normal = (*met).smooth_normal;
+        (*path).work = AT_CATCHER;
+        request_light(light, (*met).position, select(normal, -normal, dot(normal, incoming) > 0.0));
+        return;
+    }
     if (((*path).flags & SOFT) != 0u && clear > 0.0 && u.z < clear) {
         (*path).absorption = absorption_behind(met, incoming, (*path).absorption);
         pass_surface(path, met, straight_transmittance(p, abs(dot(incoming, (*met).smooth_normal))));
@@ -81,7 +126,8 @@ fn arrive(
         (*found).depth = distance((*met).position, (*path).mis_point);
     }
     let is_spent = (*path).depth >= head(MAX_DEPTH);
-    if ((is_spent && !(tables[m + IS_MATCHED] > 0.0)) || !survives(path, u.y)) {
+    let can_be_passed = tables[m + IS_MATCHED] > 0.0 || p.is_thin != 0u;
+    if ((is_spent && !can_be_passed) || !survives(path, u.y)) {
         return;
     }
     (*path).work = AT_SURFACE;
@@ -185,12 +231,18 @@ fn scatter_at_surface(
         }
         return;
     }
-    if (chosen.kind == NOTHING || is_spent) {
+    // Straight through a thin wall, as light samples go; the camera, which has taken none, sees what is behind as through any glass
+    let is_straight = p.is_thin != 0u && chosen.is_transmitted && chosen.lobe == MIRROR && (*path).depth > 0u;
+    if (chosen.kind == NOTHING || (is_spent && !is_straight)) {
         return;
     }
     let direction = normalize(frame * chosen.wi);
     // The shading normal promised one side, the geometry has another: such light cannot be
     if ((-dot(incoming, (*met).geometric) * dot(direction, (*met).geometric) < 0.0) != chosen.is_transmitted) {
+        return;
+    }
+    if (is_straight) {
+        pass_surface(path, met, chosen.weight);
         return;
     }
     if (chosen.is_transmitted) {
@@ -225,7 +277,7 @@ fn send_from_surface(
     if (same_side != shading_side || is_zero(received * all)) {
         return;
     }
-    (*shadow).is_subsurface = u32((*path).layer == OF_SUBSURFACE);
+    (*shadow).layer = select(TO_SURFACE, TO_SUBSURFACE, (*path).layer == OF_SUBSURFACE);
     (*shadow).matte = received * value.diffuse;
     (*shadow).specular = received * value.specular;
     if ((*path).layer == OF_SUBSURFACE) {

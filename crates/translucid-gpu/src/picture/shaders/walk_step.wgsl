@@ -7,17 +7,28 @@ const SKIN = 3u;
 
 // Share of the light that entered below which walks end at random.
 const ROULETTE_BELOW = 0.25;
-// Sets of numbers of a vertex behind those of the surface: those of a walk's first events or of probes; then two of a matte end.
-const WALK_SETS = 3u;
+// Sets of numbers of a vertex behind those of the surface: of probes, behind which are two of their end; of a walk's first
+// events, between clear surfaces and, behind two of its end, between matte ones.
+const PROBE_SETS = 3u;
+const CLEAR_SETS = 5u;
+const MATTE_SETS = 3u;
+const END_SETS = 2u;
 // |g| below which directions are drawn evenly: the quotient of the closed form would be rounding noise.
 const ISOTROPIC = 1e-3;
 
 // Numbers of a walk: stratified for its first events, then independent.
-fn walk_numbers(path: ptr<function, Path>, number: u32) -> vec4f {
-    if (number < WALK_SETS) {
-        return stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + number);
+fn walk_numbers(path: ptr<function, Path>, is_clear: bool, number: u32) -> vec4f {
+    let first = surface_sets((*path).flags) + select(END_SETS, 0u, is_clear);
+    let sets = select(MATTE_SETS, CLEAR_SETS, is_clear);
+    if (number < sets) {
+        return stratified((*path).sampler, (*path).vertex, first + number);
     }
-    return independent((*path).sampler, (*path).vertex, number);
+    return independent((*path).sampler, (*path).vertex * SETS_PER_VERTEX + first, number - sets);
+}
+
+// Set of numbers for the light sample at a matte end, behind which is that for the way on.
+fn end_set(flags: u32, m: u32) -> u32 {
+    return surface_sets(flags) + select(0u, PROBE_SETS, u32(tables[m + BELOW_KIND]) == PROFILE_BELOW);
 }
 
 // Sets of numbers of a vertex that are the surface's: its choices, the light sample, the way on.
@@ -31,7 +42,8 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     let m = material_at((*met).material);
     let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
     let outward = (*met).geometric * side;
-    let u = walk_numbers(path, 0u);
+    let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
+    let u = walk_numbers(path, is_clear, 0u);
     let toward = (*path).direction;
     let eta = tables[m + WALK_ETA];
     let surface = u32(tables[m + WALK_SURFACE]);
@@ -97,7 +109,7 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     }
     (*path).throughput = throughput;
     (*path).work = WALK_RAY;
-    set_out(path, &walk, u.z);
+    set_out(path, &walk, select(u.z, u.x, is_clear));
     slots[slot].walk = walk;
 }
 
@@ -226,9 +238,12 @@ fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<func
 
 // Scatters the walk at its collision.
 fn scatter_walk(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>, shadow: ptr<function, Shadow>) {
-    let g = tables[material_at((*walk).material) + WALK_G];
+    let m = material_at((*walk).material);
+    let g = tables[m + WALK_G];
     let before = (*walk).direction;
-    let u = walk_numbers(path, 2u * (*walk).events);
+    // Between clear surfaces an event has a set for its light sample, too
+    let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
+    let u = walk_numbers(path, is_clear, (*walk).events * select(1u, 2u, is_clear));
     let after = turned(g, before, u.xy);
     (*walk).pdf = phase(g, dot(before, after));
     if ((*light).kind != NO_LIGHT) {
@@ -273,7 +288,7 @@ fn send_from_collision(
 
 // Divides light from below between the layers of the picture.
 fn set_light(path: ptr<function, Path>, shadow: ptr<function, Shadow>, light: vec3f) {
-    (*shadow).is_subsurface = u32((*path).layer != OF_SURFACE);
+    (*shadow).layer = select(TO_SUBSURFACE, TO_SURFACE, (*path).layer == OF_SURFACE);
     (*shadow).matte = light;
     (*shadow).specular = vec3f(0.0);
     if ((*path).layer == OF_SURFACE) {
@@ -298,7 +313,7 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
     let outward = (*met).geometric * (*walk).side;
     var direction = (*walk).direction;
     if (eta != 1.0) {
-        let u = walk_numbers(path, 2u * (*walk).events - 1u);
+        let u = walk_numbers(path, true, 2u * (*walk).events - 1u);
         let cosine = dot(direction, outward);
         if (u.x < fresnel_dielectric(cosine, 1.0 / eta)) {
             if ((*walk).events >= u32(tables[m + MOST_FLIGHTS])) {
@@ -349,11 +364,12 @@ fn scatter_at_matte_end(
     shadow: ptr<function, Shadow>,
 ) {
     (*path).work = ENDED;
-    let is_probed = u32(tables[material_at((*walk).material) + BELOW_KIND]) == PROFILE_BELOW;
+    let m = material_at((*walk).material);
+    let is_probed = u32(tables[m + BELOW_KIND]) == PROFILE_BELOW;
     let normal = (*met).normal * (*walk).side;
     let geometric = (*met).geometric * (*walk).side;
     let is_soft = head(CAUSTICS) == 0u;
-    let v = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + WALK_SETS + 1u);
+    let v = stratified((*path).sampler, (*path).vertex, end_set((*path).flags, m) + 1u);
     let wi = sample_cosine(v.xy);
     let drawn = normalize(frame_of(normal) * wi);
     for (var k = 0u; k < 2u; k += 1u) {
