@@ -46,24 +46,18 @@ fn seconds(folder: &Path, list: &dyn Fn(usize) -> (&'static str, Vec<u8>), lengt
     thread_cpu_seconds() - start
 }
 
-/// The fault of a list, if it has one.
-fn fault(folder: &Path, name: &str, list: &dyn Fn(usize) -> (&'static str, Vec<u8>)) -> Option<String> {
-    let size = |length: usize| {
-        let bytes = list(length).1.len();
-        let beside = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
-        let beside = beside.filter(|entry| entry.file_name().to_string_lossy().starts_with("list."));
-        bytes + beside.map(|entry| entry.metadata().unwrap().len() as usize).sum::<usize>()
-    };
+/// The fault of a list whose loading takes these seconds by its length and whose files have these bytes, if it has one.
+fn fault(name: &str, seconds: &dyn Fn(usize) -> f64, size: &dyn Fn(usize) -> usize) -> Option<String> {
     let (mut length, mut before, mut faults) = (512, f64::INFINITY, Vec::new());
     loop {
-        let mut time = seconds(folder, list, length);
+        let mut time = seconds(length);
         // What memory takes grows in steps, so that one doubling or two prove nothing
         for _ in 0..TRIES {
             if before.max(LEAST) * MOST_GROWTH >= time {
                 break;
             }
-            before = before.min(seconds(folder, list, length / 2));
-            time = time.min(seconds(folder, list, length));
+            before = before.min(seconds(length / 2));
+            time = time.min(seconds(length));
         }
         if before.max(LEAST) * MOST_GROWTH < time {
             faults.push(format!("{name}: {time:.3} s for {length}, {before:.3} s for half of it"));
@@ -83,6 +77,14 @@ fn fault(folder: &Path, name: &str, list: &dyn Fn(usize) -> (&'static str, Vec<u
         }
         (before, length) = (time, 2 * length);
     }
+}
+
+/// Bytes of a list's file and of those beside it.
+fn size(folder: &Path, list: &dyn Fn(usize) -> (&'static str, Vec<u8>), length: usize) -> usize {
+    let bytes = list(length).1.len();
+    let beside = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let beside = beside.filter(|entry| entry.file_name().to_string_lossy().starts_with("list."));
+    bytes + beside.map(|entry| entry.metadata().unwrap().len() as usize).sum::<usize>()
 }
 
 /// A text with a line for each number below a length.
@@ -751,7 +753,10 @@ fn check(lists: &[(&str, List)]) {
 /// Fails if a list of a kind takes long.
 fn check_beside<L: Copy>(lists: &[(&str, L)], file: impl Fn(L, &Path, usize) -> (&'static str, Vec<u8>)) {
     let folder = TempDir::new().unwrap();
-    let once = |&(name, list): &(&str, L)| fault(folder.path(), name, &|n| file(list, folder.path(), n));
+    let once = |&(name, list): &(&str, L)| {
+        let list = |n| file(list, folder.path(), n);
+        fault(name, &|n| seconds(folder.path(), &list, n), &|n| size(folder.path(), &list, n))
+    };
     // A machine whose memory others use takes several times as long for a page, for a second or so
     let of_list = |entry: &(&str, L)| once(entry).and_then(|_| once(entry));
     let faults: Vec<String> = lists.iter().filter_map(of_list).collect();
@@ -786,7 +791,10 @@ fn lists_in_files_beside() {
 
 #[test]
 fn square_of_the_length_is_seen() {
-    let (_, comb) = OBJ.iter().find(|(name, _)| *name == SQUARE[0]).unwrap();
-    let folder = TempDir::new().unwrap();
-    assert!(fault(folder.path(), "list of another name", &|n| comb(n)).is_some());
+    let of = |seconds: &dyn Fn(f64) -> f64| fault("a list", &|n| seconds(n as f64), &|n| 20 * n);
+    assert!(of(&|n| 1e-8 * n * n).unwrap().starts_with("a list: 0."));
+    assert!(of(&|n| 2e-4 * n).unwrap().contains("s a megabyte"));
+    assert_eq!(of(&|n| 1e-7 * n * n.ln()), None);
+    // Memory that grows past a step
+    assert_eq!(of(&|n| if n < 8192.0 { 1e-6 * n } else { 4e-6 * n }), None);
 }
