@@ -83,8 +83,8 @@ impl MediumFit {
     /// of a guess within this range ([`gamma_is_determined`](Self::gamma_is_determined)), its value means nothing.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new), where four samples are the fewest, and: the samples ask for a γ far beyond the range, for
-    /// an albedo below the grid's, or lie at radii beyond it.
+    /// There are fewer than four samples, they ask for a γ far beyond the range or an albedo below the grid's, or lie at radii
+    /// beyond it; and what [`new`](Self::new) refuses.
     pub fn with_gamma(
         samples: &[Sample],
         errors: Errors,

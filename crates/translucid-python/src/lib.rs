@@ -25,6 +25,7 @@ mod reference;
 mod scene;
 mod scene_error;
 mod session;
+mod session_arguments;
 mod session_state;
 mod white_table;
 

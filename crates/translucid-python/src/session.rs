@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::ffi::CString;
-use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,12 +9,12 @@ use std::time::Duration;
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyRange, PyRangeMethods};
+use pyo3::types::{PyDict, PyRange};
 use translucid_gpu::Choice;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_load::{Piece, SceneBuilder};
 use translucid_render::{
-    Edit, FilmLayer, FilmSums, LiveFilm, PreparedScene, RunningSession, ShardNotes, ShardRun, View,
+    Edit, FilmSums, LiveFilm, PreparedScene, RunningSession, ShardNotes, ShardRun, View,
 };
 use translucid_scene::{Material, Mesh, SceneError, repair_mesh};
 
@@ -24,13 +23,11 @@ use crate::keys::{named_piece_of, piece_of, plain_piece_of};
 use crate::live_session::LiveSession;
 use crate::long_work;
 use crate::mattes::{Kind, mattes};
-use crate::names::{self, all_of_object, index_of};
-use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
+use crate::names::{all_of_object, index_of};
+use crate::scene::{mesh_of, picture_options, scene_of, whole_number};
 use crate::scene_error::{scene_error, warn};
+use crate::session_arguments::{DENOISED, MOST_SAMPLES, layer_of, region_of, sample_range};
 use crate::session_state::{Failure, refusal};
-
-/// Most samples per pixel.
-const MOST_SAMPLES: u64 = 1 << 24;
 
 /// Most threads of a session.
 const MOST_THREADS: u64 = 1024;
@@ -40,9 +37,6 @@ const MOST_LEVELS: u64 = 64;
 
 /// Longest time between two looks at a session that is waited for.
 const LONGEST_NAP: Duration = Duration::from_millis(20);
-
-/// The layer that a denoiser makes of the others.
-const DENOISED: &str = "denoised";
 
 /// A rendering that goes on step by step.
 ///
@@ -772,30 +766,7 @@ impl Session {
     }
 }
 
-/// The samples of a range of Python's.
-fn sample_range(range: &Bound<'_, PyRange>) -> PyResult<Range<u32>> {
-    let (start, end, step) = (range.start()?, range.stop()?, range.step()?);
-    let is_right = 0 <= start && start < end && end as u64 <= MOST_SAMPLES && step == 1;
-    if is_right {
-        return Ok(start as u32..end as u32);
-    }
-    let message = format!(
-        "samples is {}, but a range must be rising by 1 within 0 and 2**24, and not empty",
-        range.repr()?
-    );
-    Err(PyValueError::new_err(message))
-}
-
 /// Width and height.
 fn size_of(sums: &FilmSums) -> [usize; 2] {
     [sums.width as usize, sums.height as usize]
-}
-
-fn layer_of(name: &str) -> PyResult<FilmLayer> {
-    let names: Vec<&str> = FilmLayer::ALL.iter().map(|layer| layer.name()).chain([DENOISED]).collect();
-    FilmLayer::from_name(name).ok_or_else(|| names::unknown("layer", name, &names))
-}
-
-fn region_of(argument: &Any<'_>) -> PyResult<[u32; 4]> {
-    whole_numbers("region", argument, "four numbers, x0, y0, x1, y1", [0, u32::MAX])
 }

@@ -125,7 +125,7 @@ fn profile(alpha: f64, gamma: f64, eta: f64) -> Result<Option<LayersProfile>, La
     layers(alpha, gamma, eta)?.profile_within(TOLERANCE, &Control::default())
 }
 
-/// What a user must know of gamma, if anything.
+/// Warning that gamma is open, or outside of what is solved.
 fn warning(fit: &MediumFit) -> Option<String> {
     let Estimate { value, error } = fit.gamma()?;
     let [low, high] = MediumGrid::GAMMA;

@@ -288,7 +288,7 @@ fn published_table_gives_back_its_coefficients() {
     }
 }
 
-/// Of MCML's table, whose scattering is isotropic, gamma is 1: it and the coefficients are within 4 standard errors, a false alarm
+/// Gamma is 1 in MCML's table, whose scattering is isotropic: it and the coefficients are within 4 standard errors, a false alarm
 /// of a table of other photons with a probability of 2e-4. Its far rings leave gamma open.
 #[test]
 fn gamma_of_a_published_table_is_that_of_isotropic_scattering() {

@@ -149,7 +149,7 @@ fn late_numbers_are_split_mix() {
     }
 }
 
-/// What the sampler's shader needs of others, for a test that asks for none of it.
+/// Names of other shaders that the sampler's shader has, for a test that uses none of them.
 const SETTINGS: &str = "struct Settings { seed: vec2u }
 const settings = Settings(vec2u(0u));
 const SOBOL = 0u;
