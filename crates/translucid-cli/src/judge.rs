@@ -26,7 +26,7 @@ in a shape and 0 elsewhere. Make it by the pass under test, with borders that re
   edge  one half is lit, whatever the direction of the straight line between both
   disk  a disk of the diameter --size is lit
   line  a band of the width --size is lit, along rows or columns
-The plane is a half space. Its light is exact with --g 0 and --ior 1. Otherwise 400,000 photons walk for it, and the light
+The plane is a half space. Its light is exact with --g 0 and --eta 1. Otherwise 400,000 photons walk for it, and the light
 across an edge is known to 0.001 (one standard error).
 
 A channel is right if its RMS difference is at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all
@@ -42,7 +42,7 @@ of the light) width_N and exact_width_N in the unit of the lengths, explained_rm
 Examples:
   translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9,0.6,0.4 --mfp 1,0.5,0.3
   translucid judge pass.exr --setup disk --size 2 --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --white 1 -o judgement.svg
-  translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --g 0.8 --ior 1.4";
+  translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --g 0.8 --eta 1.4";
 
 /// Judges a screen-space pass by a picture of it: light, width, and what to change
 #[derive(Args, Debug)]
@@ -89,7 +89,7 @@ pub(crate) struct JudgeArguments {
     g: f64,
     /// Relative index of refraction of the smooth boundary, in [1, 3]
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
-    ior: f64,
+    eta: f64,
     /// Value of a lit pixel of a surface that returns all light and does not scatter below; with it all light is compared
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     white: Option<f64>,
@@ -140,7 +140,7 @@ pub(crate) fn run(arguments: &JudgeArguments) -> Result<(), Failure> {
     }
     output.map_or(Ok(()), check_writable)?;
     within("--g", arguments.g, AlbedoInversion::G)?;
-    within("--ior", arguments.ior, AlbedoInversion::ETA)?;
+    within("--eta", arguments.eta, AlbedoInversion::ETA)?;
     let bins = picture::read(&arguments.picture, setup, arguments.pixel)?;
     if !arguments.dmfp.is_empty() {
         arguments.note_lengths(albedos)?;
@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &JudgeArguments) -> Result<(), Failure> {
         let pass = Pass {
             setup,
             appearance: appearance(surface_albedo, length, !arguments.dmfp.is_empty(), arguments.g),
-            eta: arguments.ior,
+            eta: arguments.eta,
             configuration: Configuration::from(arguments.configuration),
             pixel: arguments.pixel,
             white,
@@ -205,7 +205,7 @@ impl JudgeArguments {
     fn note_lengths(&self, albedos: [f64; 3]) -> Result<(), Failure> {
         let listed = |ratio: &dyn Fn(f64) -> f64| albedos.map(|a| format!("{:.3}", ratio(a))).join(", ");
         let exact = |configuration| {
-            let inversion = AlbedoInversion::new(self.g, self.ior, configuration)
+            let inversion = AlbedoInversion::new(self.g, self.eta, configuration)
                 .map_err(|error| Failure::input(error.to_string()))?;
             Ok::<_, Failure>(listed(&|a| 1.0 / inversion.mfp(a, 1.0, Parameterization::Dmfp)))
         };

@@ -264,7 +264,7 @@ fn what_cannot_be_judged_is_refused() {
         ),
         (format!("{edge} --pixel 1e-15 --surface-albedo 0.8 --mfp 1"), ["the picture ends 9.9", "at 0.7"]),
         (format!("{edge} {good} --g 1"), ["--g is 1", "in [-0.95, 0.95]"]),
-        (format!("{edge} {good} --ior 0.9"), ["--ior is 0.9", "in [1.0, 3.0]"]),
+        (format!("{edge} {good} --eta 0.9"), ["--eta is 0.9", "in [1.0, 3.0]"]),
         (format!("{edge} {good} --size 2"), ["--size is for a disk or a line", "leave --size out"]),
         (format!("edge.exr --setup disk {good}"), ["--size is missing", "diameter"]),
         (format!("edge.exr --setup line --size -1 {good}"), ["--size is -1", "in [1e-18, 1e18]"]),

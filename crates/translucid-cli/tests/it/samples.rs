@@ -38,7 +38,7 @@ fn colors(folder: &Path, scene: &str) -> [Vec<f32>; 3] {
 fn samples_are_read_without_a_warning_and_have_small_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let scenes = scenes();
-    assert_eq!(scenes.len(), 7);
+    assert_eq!(scenes.len(), 8);
     let mut all = 0;
     for scene in scenes {
         let messages = render(folder.path(), &scene, "--size 16x12 --spp 1");
@@ -93,7 +93,7 @@ fn rows() -> Vec<(String, String, [[f64; 2]; 3])> {
 #[test]
 fn numbers_of_the_page_come_back() {
     let rows = rows();
-    assert_eq!(rows.len(), 21);
+    assert_eq!(rows.len(), 24);
     let folder = tempfile::tempdir().unwrap();
     let places =
         [("ball, lit", "28,72,44,88"), ("ball, shaded", "76,100,92,116"), ("thin part", "185,88,201,104")];

@@ -82,7 +82,7 @@ impl Cause {
                  from all around",
             ),
             Self::Medium => String::from(
-                "the profile is that of isotropic scatterers without a boundary: it has neither --g nor --ior",
+                "the profile is that of isotropic scatterers without a boundary: it has neither --g nor --eta",
             ),
             Self::Size(times) => {
                 let [found, stated] = [times, &1.0].map(|times| times * setup.size());
