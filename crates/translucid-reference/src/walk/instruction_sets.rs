@@ -5,9 +5,7 @@
 ///
 /// A machine with SSE4.2 and without AVX2, mostly one from before 2013, takes the code for SSE2: too few are left to compile
 /// the kernel for them, too.
-///
-/// Builds with debug assertions leave AVX-512 out, whose bits are those of AVX2: the kernels take most of this crate's build.
-#[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
+#[cfg(target_arch = "x86_64")]
 macro_rules! dispatched {
     ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {
         match $level {
@@ -16,32 +14,17 @@ macro_rules! dispatched {
                 #[inline(always)]
                 || $call,
             ),
-            level => crate::walk::instruction_sets::up_to_avx2!(level, $simd => $call, narrow => $narrow),
-        }
-    };
-}
-
-#[cfg(all(target_arch = "x86_64", debug_assertions))]
-macro_rules! dispatched {
-    ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {
-        crate::walk::instruction_sets::up_to_avx2!($level, $simd => $call, narrow => $narrow)
-    };
-}
-
-#[cfg(target_arch = "x86_64")]
-macro_rules! up_to_avx2 {
-    ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {{
-        let level = $level;
-        match (level.as_avx2(), level.as_sse2()) {
-            (Some($simd), _) => fearless_simd::Simd::vectorize(
+            fearless_simd::Level::Avx2($simd) => fearless_simd::Simd::vectorize(
                 $simd,
                 #[inline(always)]
                 || $call,
             ),
-            (None, Some($simd)) => $narrow,
-            (None, None) => unreachable!("SSE2 is part of x86-64, this is {level:?}"),
+            level => match level.as_sse2() {
+                Some($simd) => $narrow,
+                None => unreachable!("SSE2 is part of x86-64, this is {level:?}"),
+            },
         }
-    }};
+    };
 }
 
 #[cfg(not(target_arch = "x86_64"))]
@@ -52,8 +35,6 @@ macro_rules! dispatched {
 }
 
 pub(crate) use dispatched;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use up_to_avx2;
 
 /// The instruction sets of this machine but for its widest one, the narrowest last.
 #[cfg(test)]
