@@ -1,4 +1,5 @@
-// What a ray meets: a binary tree over triangles, and their watertight intersection
+// What a ray meets: a binary tree over triangles and instances, each with a tree below it, and the watertight intersection
+// of triangles
 // [S. Woop, C. Benthin, I. Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1)].
 
 struct Hit {
@@ -22,7 +23,11 @@ struct Along {
     triangle: u32,
 }
 
-const STACK = 64u;
+const STACK = 96u;
+// Number of triangles of a node that stands for an instance.
+const AN_INSTANCE = 0xffffffffu;
+// No depth of the stack: the ray is in the world.
+const IN_WORLD = 0xffffffffu;
 const EVERY_GROUP = 0u;
 const ONE_GROUP = 1u;
 
@@ -90,31 +95,55 @@ fn inverse_of(direction: vec3f) -> vec3f {
 }
 
 // The nearest surface of all groups, or of one, behind a place. With `any` the first that is found will do.
+//
+// Where it meets an instance the ray goes on in the mesh's space, until no node is left of what the instance has put onto the
+// stack. It is not of unit length there: distances along it stay those in the world.
 fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u32, group: u32, any: bool) -> Hit {
     var best = Hit(t_max, vec2f(0.0), 0u, false);
     if (arrayLength(&nodes) < 2u || settings.slots == 0u) {
         return best;
     }
-    let inverse = inverse_of(direction);
-    let ray = sheared(origin, direction);
+    let inverse_in_world = inverse_of(direction);
+    let ray_in_world = sheared(origin, direction);
+    var start = origin;
+    var inverse = inverse_in_world;
+    var ray = ray_in_world;
+    // Depth of the stack at which the ray is in the world again, and what numbers are beyond places there
+    var depth_of_world = IN_WORLD;
+    var beyond = 0u;
+    var is_choosy = groups == ONE_GROUP;
     var stack: array<u32, STACK>;
     var distances: array<f32, STACK>;
     var depth = 0u;
-    var node = 0u;
-    if (entered(0u, origin, inverse, best.t) >= NEVER) {
+    var node = head(INSTANCES) * (INSTANCE_ROWS / 2u);
+    if (entered(node, start, inverse, best.t) >= NEVER) {
         return best;
     }
     loop {
         let count = nodes[2u * node].w;
         let first = nodes[2u * node + 1u].w;
         var is_done = count != 0u;
-        if (is_done) {
+        if (count == AN_INSTANCE) {
+            if (groups != ONE_GROUP || instance_word(first, INSTANCE_GROUP) == group) {
+                let from_world = instance_map(first, FROM_WORLD);
+                let along = from_world * direction;
+                start = from_world * (origin - instance_vector(first, ORIGIN));
+                inverse = inverse_of(along);
+                ray = sheared(start, along);
+                beyond = instance_word(first, FIRST_NUMBER) - instance_word(first, FIRST_TRIANGLE);
+                is_choosy = false;
+                depth_of_world = depth;
+                node = instance_word(first, MESH_ROOT);
+                is_done = false;
+            }
+        } else if (is_done) {
             for (var k = 0u; k < count; k += 1u) {
-                let triangle = first + k;
-                if (groups == ONE_GROUP && triangles[3u * triangle + 2u].w != group) {
+                let stored = first + k;
+                if (is_choosy && triangles[3u * stored + 2u].w != group) {
                     continue;
                 }
-                let found = intersected(triangle, ray, best.t);
+                let found = intersected(stored, ray, best.t);
+                let triangle = stored + beyond;
                 // Those at the same distance come by their numbers
                 let is_nearer = found.x < best.t || (found.x < NEVER && (!best.is_hit || triangle < best.triangle));
                 let is_behind = found.x > after.t || (found.x == after.t && triangle > after.triangle);
@@ -126,8 +155,8 @@ fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u3
                 }
             }
         } else {
-            let left = entered(first, origin, inverse, best.t);
-            let right = entered(first + 1u, origin, inverse, best.t);
+            let left = entered(first, start, inverse, best.t);
+            let right = entered(first + 1u, start, inverse, best.t);
             let near = min(left, right);
             let far = max(left, right);
             is_done = near >= NEVER;
@@ -144,7 +173,18 @@ fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u3
         if (is_done) {
             // Boxes that begin behind what was found meanwhile are passed over
             var is_open = false;
-            while (depth > 0u && !is_open) {
+            while (!is_open) {
+                if (depth == depth_of_world) {
+                    depth_of_world = IN_WORLD;
+                    start = origin;
+                    inverse = inverse_in_world;
+                    ray = ray_in_world;
+                    beyond = 0u;
+                    is_choosy = groups == ONE_GROUP;
+                }
+                if (depth == 0u) {
+                    break;
+                }
                 depth -= 1u;
                 node = stack[depth];
                 is_open = distances[depth] <= best.t;
