@@ -16,6 +16,7 @@ use translucid_scene::{
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 
+use super::Tracer;
 use super::profile_tests::{differing, profile};
 use super::tests::{lamp, matte, picture, texture, tracer, wax};
 
@@ -104,12 +105,12 @@ fn instances(scene: &DeviceScene) -> usize {
     scene.tables[Header::Instances as usize] as usize
 }
 
-/// At most a share of the pixels differs by more than 1e-3 of their light, and the sum is the same within 6 roots of the sum of
-/// squares, beyond which it is in less than 2e^−18 = 3e-8 of all cases, and 1e-3.
-fn check(name: &str, scene: &Scene, expected: usize, most: f32) {
+/// At most a share of the pixels differs by more than 1e-3 of their light from those of the triangles, and the sum is the same
+/// within 6 roots of the sum of squares, beyond which it is in less than 2e^−18 = 3e-8 of all cases, and 1e-3.
+fn check(name: &str, scene: &Scene, expected: usize, most: f32, triangles_on: Option<&Arc<Tracer>>) {
     let placed = shared(scene.clone());
     assert_eq!(instances(&on_device(&placed, &LIMITS).unwrap()), expected, "{name}");
-    let found = [(scene, None), (&placed, Some(tracer()))].map(|(scene, device)| {
+    let found = [(scene, triangles_on), (&placed, Some(tracer()))].map(|(scene, device)| {
         let radiance = picture(scene, 4, device).film().layer(FilmLayer::Radiance);
         radiance.chunks(3).map(Vec3::from_slice).collect::<Vec<_>>()
     });
@@ -144,7 +145,7 @@ fn surfaces_of_instances_are_the_processors() {
     for (name, mesh) in
         [("tangents", torus()), ("no tangents", without(torus())), ("no normals", flat(torus()))]
     {
-        check(name, &scene(mesh, [painted.clone(), bare.clone()]), 6, 0.03);
+        check(name, &scene(mesh, [painted.clone(), bare.clone()]), 6, 0.03, None);
     }
 }
 
@@ -158,8 +159,11 @@ fn walls_and_emitters_are_the_processors() {
         ..matte()
     };
     let glow = Material { emission_luminance: 2.0, specular_weight: ScalarInput::constant(0.0), ..matte() };
-    check("walls", &scene(torus(), [pane.clone(), pane.clone()]), 6, 0.1);
-    check("emitters", &scene(torus(), [pane, glow]), 3, 0.1);
+    check("walls", &scene(torus(), [pane.clone(), pane.clone()]), 6, 0.1, None);
+    // Light samples of both sides differ here, as those of triangles that emit do anywhere
+    let lit = scene(torus(), [pane, glow]);
+    check("emitters", &lit, 3, 1.0, None);
+    check("emitters, on the device alone", &lit, 3, 0.1, Some(tracer()));
 }
 
 #[test]
@@ -167,14 +171,14 @@ fn walks_in_instances_are_the_processors() {
     let bare = ScalarInput::constant(0.0);
     let wax =
         |surface| Material { specular_weight: bare, subsurface_scatter_anisotropy: 0.3, ..wax(surface) };
-    check("walks", &scene(torus(), [wax(WalkSurface::Diffuse), wax(WalkSurface::Clear)]), 6, 0.1);
+    check("walks", &scene(torus(), [wax(WalkSurface::Diffuse), wax(WalkSurface::Clear)]), 6, 0.1, None);
 }
 
 /// Two instances are one body.
 #[test]
 fn profiles_on_instances_are_the_processors() {
     let even = profile(Model::NormalizedDiffusion);
-    check("profiles", &scene(torus(), [even.clone(), even]), 6, 0.05);
+    check("profiles", &scene(torus(), [even.clone(), even]), 6, 0.05, None);
 }
 
 /// Each more has its own words and two nodes; the mesh is there once.
@@ -208,9 +212,9 @@ fn meshes_are_shared_where_memory_is_tight() {
     let plenty = found(1 << 27).unwrap();
     assert_eq!(instances(&plenty), 0);
     let bytes = 4 * plenty.nodes.len().max(plenty.attributes.len()) as u64;
-    let tight = found(bytes / 3).unwrap();
+    let tight = found(bytes / 2).unwrap();
     assert_eq!(instances(&tight), 6);
-    assert!(4 * tight.nodes.len().max(tight.attributes.len()) as u64 <= bytes / 3);
+    assert!(4 * tight.nodes.len().max(tight.attributes.len()) as u64 <= bytes / 2);
     let error = found(bytes / 8).unwrap_err();
     assert!(
         error.contains("triangles, those of shared meshes counted once, but the device holds"),
@@ -225,17 +229,17 @@ fn trees_that_are_too_high_are_refused() {
     assert!(text.contains(&format!("const STACK = {MOST_LEVELS}u;")));
     let mut scene = scene(torus(), [matte(), matte()]);
     let nested = |i: usize| {
-        let size = 1.1_f32.powi(i as i32);
+        let size = 1.3_f32.powi(i as i32 - 50);
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| (p - 0.3) * size).to_vec();
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
         Object { mesh: mesh.into(), ..Object::default() }
     };
     scene.objects = (0..60).map(nested).collect();
     on_device(&scene, &LIMITS).unwrap();
-    scene.objects = (0..200).map(nested).collect();
+    scene.objects = (0..100).map(nested).collect();
     let error = on_device(&scene, &LIMITS).unwrap_err();
     assert!(
-        error.contains("levels of boxes around its triangles but the device holds at most 96"),
+        error.contains("levels of boxes around its triangles but the device holds at most 64"),
         "{error}"
     );
 }

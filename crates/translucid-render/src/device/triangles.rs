@@ -26,7 +26,7 @@ pub(super) const NO_LIGHT: u32 = u32::MAX;
 /// Number of triangles of a node that stands for an instance, whose number is that of the first triangle.
 const AN_INSTANCE: u32 = u32::MAX;
 /// Greatest height of a tree and those of the meshes below it: as many nodes may wait on the way down.
-pub const MOST_LEVELS: u32 = 96;
+pub const MOST_LEVELS: u32 = 64;
 
 /// Attributes of a triangle: three normals, then what the scene's materials need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Triangles {
         emits: impl Fn(u32) -> bool,
         light_of: impl Fn(u32, u32) -> Option<u32>,
     ) -> Result<Self, SceneError> {
-        let (sharing, layout, stored) = sorted(scene, limits, emits)?;
+        let (sharing, layout, [stored, words]) = sorted(scene, limits, emits)?;
         let Sharing { apart, instances, meshes } = sharing;
         let of = |&object: &u32| {
             let triangles = scene.objects[object as usize].mesh.triangles.len() as u32;
@@ -107,12 +107,13 @@ impl Triangles {
         waiting.check("levels of boxes around its triangles", levels.into(), 1)?;
 
         let mut new = Self {
-            nodes: vec![0; INSTANCE_WORDS * instances.len()],
+            nodes: Vec::with_capacity(words),
             triangles: Vec::with_capacity(stored * TRIANGLE_WORDS as usize),
             attributes: Vec::with_capacity(stored * layout.stride as usize),
             layout,
             instances: instances.len(),
         };
+        new.nodes.resize(INSTANCE_WORDS * instances.len(), 0);
         let mut leaves = Vec::with_capacity(boxes.len());
         for number in &world.order {
             if let Some(&(object, triangle)) = places.get(*number as usize) {
@@ -205,12 +206,13 @@ impl Triangles {
     }
 }
 
-/// The objects of a scene, the attributes of triangles, and how many of these there are, as far as a device has room for them.
+/// The objects of a scene, the attributes of triangles, the number of these, and that of the words of nodes, as far as a device
+/// has room for them.
 fn sorted<'a>(
     scene: &'a Scene,
     limits: &DeviceLimits,
     emits: impl Fn(u32) -> bool,
-) -> Result<(Sharing<'a>, AttributeLayout, usize), SceneError> {
+) -> Result<(Sharing<'a>, AttributeLayout, [usize; 2]), SceneError> {
     let all: u64 = scene.objects.iter().map(|object| object.mesh.triangles.len() as u64).sum();
     DeviceLimits { array_bytes: u32::MAX.into() }.check("triangles in all places", all, 1)?;
     let is_tight = all > limits.array_bytes / (4 * AttributeLayout::new(scene, &[]).most_words());
@@ -223,7 +225,7 @@ fn sorted<'a>(
     let instances = sharing.instances.len();
     let words = 2 * NODE_WORDS as usize * (stored + instances) + INSTANCE_WORDS * instances;
     limits.check("bytes of instances and boxes", 4 * words as u64, 1)?;
-    Ok((sharing, layout, stored))
+    Ok((sharing, layout, [stored, words]))
 }
 
 /// A binary tree over boxes, one a leaf.

@@ -23,7 +23,7 @@ struct Along {
     triangle: u32,
 }
 
-const STACK = 96u;
+const STACK = 64u;
 // Number of triangles of a node that stands for an instance.
 const AN_INSTANCE = 0xffffffffu;
 // No depth of the stack: the ray is in the world.
