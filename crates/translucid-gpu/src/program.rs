@@ -24,6 +24,7 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/material.wgsl"),
     include_str!("picture/shaders/point.wgsl"),
     include_str!("picture/shaders/ray.wgsl"),
+    include_str!("picture/shaders/instance.wgsl"),
     include_str!("picture/shaders/sampler.wgsl"),
     include_str!("picture/shaders/surface.wgsl"),
     include_str!("picture/shaders/interface.wgsl"),

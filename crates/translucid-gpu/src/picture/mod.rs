@@ -9,6 +9,8 @@ mod broken_tests;
 #[cfg(test)]
 mod evaluate;
 #[cfg(test)]
+mod instance_tests;
+#[cfg(test)]
 mod light_tests;
 #[cfg(test)]
 mod profile_tests;

@@ -190,7 +190,7 @@ fn walks_have_the_means_of_the_processor() {
 }
 
 /// A cross with letters to tell its corners apart.
-fn texture() -> Image {
+pub(super) fn texture() -> Image {
     let texel = |k: u8| [40 * (k % 6), 30 * (k / 4), 255 - 15 * k, 255 - 9 * k];
     Image {
         name: "texture".into(),
@@ -418,6 +418,8 @@ fn heads_of_tables_agree() {
         ("FARTHEST", Header::Farthest),
         ("SHADOWS_LOOK", Header::ShadowsLook),
         ("DIAGONAL", Header::Diagonal),
+        ("INSTANCES", Header::Instances),
+        ("TANGENTS", Header::Tangents),
     ] {
         assert!(text.contains(&format!("const {name} = {}u;", place as u32)), "{name}");
     }

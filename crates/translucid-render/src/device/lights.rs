@@ -30,6 +30,7 @@
 //! Places count from the first word of the lights.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use glam::{Mat3, Vec3};
 use translucid_scene::SceneError;
@@ -106,6 +107,12 @@ impl LightWords {
     /// The number of a triangle among the emissive ones, given its scene-wide number; `None` if it emits nothing.
     pub fn triangle(&self, primitive: u64) -> Option<u32> {
         self.primitives.binary_search(&primitive).ok().map(|number| number as u32)
+    }
+
+    /// Returns `true` if one of these scene-wide numbers is that of an emissive triangle.
+    pub(super) fn are_in(&self, primitives: Range<u64>) -> bool {
+        let at = self.primitives.partition_point(|&primitive| primitive < primitives.start);
+        self.primitives.get(at).is_some_and(|&primitive| primitive < primitives.end)
     }
 
     /// Has the emission of a triangle of a number looked up on its surface, which is that of another among the scene's.

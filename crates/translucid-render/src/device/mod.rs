@@ -10,6 +10,7 @@
 
 mod camera;
 mod images;
+mod instances;
 mod lights;
 mod limits;
 mod materials;
@@ -22,6 +23,7 @@ pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};
 pub use limits::DeviceLimits;
 pub use scene::{DeviceScene, Header};
 pub use tables::material_tables;
+pub use triangles::MOST_LEVELS;
 
 use std::sync::Arc;
 

@@ -63,6 +63,10 @@ pub enum Header {
     ShadowsLook,
     /// Diagonal of the scene's bounds \[L\].
     Diagonal,
+    /// Number of instances.
+    Instances,
+    /// Tangents of a triangle.
+    Tangents,
     /// Number of words of the header.
     Count,
 }
@@ -73,9 +77,11 @@ const FARTHEST: f32 = 2.0;
 /// A prepared scene as arrays of words, each no larger than the device's limit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceScene {
-    /// Nodes of a binary tree: lowest corner, number of triangles (0: an inner node), highest corner, first child or triangle.
+    /// Instances, then nodes of a binary tree: lowest corner, number of triangles (0: an inner node, 2³² − 1: an instance), highest
+    /// corner, first child or triangle, or the instance; then the trees of meshes that instances share.
     pub nodes: Vec<u32>,
-    /// Corners, and behind them material, number as a light, subsurface group.
+    /// Corners, and behind them material, number as a light, subsurface group; those of shared meshes come last, in the mesh's
+    /// own space.
     pub triangles: Vec<u32>,
     /// Normals, then texture coordinates, tangent and colors where the scene needs them.
     pub attributes: Vec<f32>,
@@ -99,8 +105,10 @@ impl DeviceScene {
             ));
         }
         let mut lights = lights(prepared)?;
-        let light_of = |object, triangle| lights.triangle(world.geometry.primitive(object, triangle));
-        let triangles = Triangles::new(scene, limits, light_of)?;
+        let geometry = &world.geometry;
+        let light_of = |object, triangle| lights.triangle(geometry.primitive(object, triangle));
+        let emits = |object| lights.are_in(geometry.primitive(object, 0)..geometry.primitive(object + 1, 0));
+        let triangles = Triangles::new(scene, limits, emits, light_of)?;
         for (place, material, light) in triangles.lights() {
             if has_varied_emission(&scene.materials[material]) {
                 lights.look_up(light, place);
@@ -157,6 +165,8 @@ impl DeviceScene {
             (Header::Farthest, (diagonal * FARTHEST).length_squared()),
             (Header::ShadowsLook, if prepared.shadows_look() { 1.0 } else { 0.0 }),
             (Header::Diagonal, diagonal.length()),
+            (Header::Instances, triangles.instances as f32),
+            (Header::Tangents, layout.tangents as f32),
         ];
         for (place, value) in header {
             tables[place as usize] = value;
@@ -164,7 +174,8 @@ impl DeviceScene {
         tables[Header::Middle as usize..][..3].copy_from_slice(&Vec3::to_array(&middle));
         limits.check("bytes of textures and environment", 4 * images.len() as u64, 1)?;
         limits.check("bytes of tables", 4 * tables.len() as u64, 1)?;
-        let numbers = tables.len().max(triangles.triangles.len() / TRIANGLE_WORDS as usize) as u64;
+        let stored = triangles.triangles.len() / TRIANGLE_WORDS as usize;
+        let numbers = tables.len().max(stored).max(triangles.instances) as u64;
         DeviceLimits { array_bytes: MOST_NUMBERS }.check("places", numbers, 1)?;
         debug_assert_eq!(triangles.nodes.len() as u64 % NODE_WORDS, 0);
         Ok(Self {

@@ -246,15 +246,23 @@ fn bent_normal(point: Point, m: u32, texel: vec3f) -> vec3f {
     if (tables[m + INPUT_WORDS * NORMAL_MAP + 3u] < 0.0) {
         return normal;
     }
-    let at = point.triangle * head(ATTRIBUTE_WORDS) + head(TANGENT);
-    var tangent = attribute_color(at);
+    let at = point.stored * head(ATTRIBUTE_WORDS) + head(TANGENT);
+    var tangent = vec3f(0.0);
+    // One, or those of the corners
+    for (var k = 0u; k < head(TANGENTS); k += 1u) {
+        tangent += placed_tangent(attribute_color(at + select(3u * k + 1u, 0u, k == 0u)), point.instance);
+    }
+    var sign = attributes[at + 3u];
+    if (point.instance != NO_INSTANCE) {
+        sign *= instance_number(point.instance, HANDEDNESS);
+    }
     tangent -= normal * dot(normal, tangent);
     let squared = dot(tangent, tangent);
     if (!(squared > 1e-30)) {
         return normal;
     }
     tangent *= inverseSqrt(squared);
-    let bitangent = cross(normal, tangent) * attributes[at + 3u];
+    let bitangent = cross(normal, tangent) * sign;
     let bent = 2.0 * texel - 1.0;
     let scale = tables[m + NORMAL_SCALE];
     let summed = tangent * (bent.x * scale) + bitangent * (bent.y * scale) + normal * bent.z;

@@ -12,54 +12,46 @@ struct Point {
     material: u32,
     light: u32,
     group: u32,
-    triangle: u32,
+    // Where the triangle's words are, and the instance that it is of.
+    stored: u32,
+    instance: u32,
 }
 
 const ROUNDING = 1.9073486e-6; // 16 units in the last place of 1
-
-fn corner(triangle: u32, number: u32) -> vec3f {
-    return bitcast<vec3f>(triangles[3u * triangle + number].xyz);
-}
-
-fn geometric_normal(triangle: u32) -> vec3f {
-    let a = corner(triangle, 0u);
-    let normal = cross(corner(triangle, 1u) - a, corner(triangle, 2u) - a);
-    // Scaled first: squares of small areas vanish
-    let size = max(abs(normal.x), max(abs(normal.y), abs(normal.z)));
-    if (!(size > 0.0)) {
-        return vec3f(0.0, 0.0, 1.0);
-    }
-    return normalize(normal / size);
-}
-
-fn material_of(triangle: u32) -> u32 {
-    return triangles[3u * triangle].w;
-}
-
-fn group_of(triangle: u32) -> u32 {
-    return triangles[3u * triangle + 2u].w;
-}
 
 fn attribute_color(place: u32) -> vec3f {
     return vec3f(attributes[place], attributes[place + 1u], attributes[place + 2u]);
 }
 
-fn point_at(triangle: u32, b: vec2f) -> Point {
-    let a = corner(triangle, 0u);
-    let q = corner(triangle, 1u);
-    let r = corner(triangle, 2u);
+fn point_at(number: u32, b: vec2f) -> Point {
+    let triangle = triangle_at(number);
+    let a = triangle.a;
+    let q = triangle.b;
+    let r = triangle.c;
+    let stored = triangle.stored;
+    let instance = triangle.instance;
     let weights = vec3f(1.0 - b.x - b.y, b.x, b.y);
     let size = max(max(abs(a), abs(q)), abs(r));
     var point: Point;
     point.position = a * weights.x + q * weights.y + r * weights.z;
     point.geometric = geometric_normal(triangle);
     point.offset = max(size.x, max(size.y, size.z)) * ROUNDING;
-    point.material = triangles[3u * triangle].w;
-    point.light = triangles[3u * triangle + 1u].w;
-    point.group = triangles[3u * triangle + 2u].w;
-    point.triangle = triangle;
-    let at = triangle * head(ATTRIBUTE_WORDS);
-    let normal = attribute_color(at) * weights.x + attribute_color(at + 3u) * weights.y + attribute_color(at + 6u) * weights.z;
+    point.material = triangles[3u * stored].w;
+    point.light = triangles[3u * stored + 1u].w;
+    point.group = triangles[3u * stored + 2u].w;
+    if (instance != NO_INSTANCE) {
+        // Rays are less exact there
+        let off = abs(point.position - instance_vector(instance, ORIGIN)) * instance_number(instance, AMPLIFICATION);
+        point.offset = max(point.offset, max(off.x, max(off.y, off.z)) * ROUNDING);
+        point.material = instance_word(instance, INSTANCE_MATERIAL);
+        point.group = instance_word(instance, INSTANCE_GROUP);
+    }
+    point.stored = stored;
+    point.instance = instance;
+    let at = stored * head(ATTRIBUTE_WORDS);
+    let normal = placed_normal(attribute_color(at), instance) * weights.x
+        + placed_normal(attribute_color(at + 3u), instance) * weights.y
+        + placed_normal(attribute_color(at + 6u), instance) * weights.z;
     let squared = dot(normal, normal);
     let shading = normal * inverseSqrt(max(squared, 1e-30));
     // One from the other side (broken input) would turn the surface inside out

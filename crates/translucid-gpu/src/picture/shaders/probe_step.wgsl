@@ -62,22 +62,21 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u3
     }
 
     // Weight of the hit: R over the density of all axes and channels, which have the projected distances
-    let triangle = (*path).hit_triangle;
+    let triangle = triangle_at((*path).hit_triangle);
     let before = (*probe).triangle;
     let normal = geometric_normal(triangle);
     let is_near = before != NO_TRIANGLE && (*path).hit_t - (*probe).t <= SAME_PLACE * (*probe).t_max;
     (*probe).t = (*path).hit_t;
-    (*probe).triangle = triangle;
+    (*probe).triangle = (*path).hit_triangle;
     (*path).work = PROBE_RAY;
     if (abs(dot(axis_of(frame, (*probe).axis), normal)) < GRAZING) {
         return;
     }
-    if (is_near && dot(normal, geometric_normal(before)) > 0.999) {
+    if (is_near && dot(normal, geometric_normal(triangle_at(before))) > 0.999) {
         return;
     }
     let b = (*path).hit;
-    let a = corner(triangle, 0u);
-    let position = a * (1.0 - b.x - b.y) + corner(triangle, 1u) * b.x + corner(triangle, 2u) * b.y;
+    let position = triangle.a * (1.0 - b.x - b.y) + triangle.b * b.x + triangle.c * b.y;
     let offset = to_local(frame, position - (*probe).exit);
     let cosines = axes * abs(to_local(frame, normal));
     let distance = length(offset);

@@ -1,4 +1,5 @@
-// What a ray meets: a binary tree over triangles, and their watertight intersection
+// What a ray meets: a binary tree over triangles and instances, each with a tree below it, and the watertight intersection
+// of triangles
 // [S. Woop, C. Benthin, I. Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1)].
 
 struct Hit {
@@ -23,6 +24,8 @@ struct Along {
 }
 
 const STACK = 64u;
+// Number of triangles of a node that stands for an instance.
+const AN_INSTANCE = 0xffffffffu;
 const EVERY_GROUP = 0u;
 const ONE_GROUP = 1u;
 
@@ -90,68 +93,107 @@ fn inverse_of(direction: vec3f) -> vec3f {
 }
 
 // The nearest surface of all groups, or of one, behind a place. With `any` the first that is found will do.
+//
+// Where it meets an instance the ray goes on in the mesh's space, until no node is left of what the instance has put onto the
+// stack. It is not of unit length there: distances along it stay those in the world. Changes of space have a loop of their own
+// around that over nodes, so that scenes without instances do nothing for them.
 fn closest(origin: vec3f, direction: vec3f, after: Along, t_max: f32, groups: u32, group: u32, any: bool) -> Hit {
     var best = Hit(t_max, vec2f(0.0), 0u, false);
     if (arrayLength(&nodes) < 2u || settings.slots == 0u) {
         return best;
     }
-    let inverse = inverse_of(direction);
-    let ray = sheared(origin, direction);
     var stack: array<u32, STACK>;
     var distances: array<f32, STACK>;
     var depth = 0u;
-    var node = 0u;
-    if (entered(0u, origin, inverse, best.t) >= NEVER) {
+    var node = head(INSTANCES) * (INSTANCE_ROWS / 2u);
+    if (entered(node, origin, inverse_of(direction), best.t) >= NEVER) {
         return best;
     }
+    // The instance in whose space the ray is, and the depth of the stack at which it leaves that
+    var instance = NO_INSTANCE;
+    var end = 0u;
+    var is_done = false;
     loop {
-        let count = nodes[2u * node].w;
-        let first = nodes[2u * node + 1u].w;
-        var is_done = count != 0u;
-        if (is_done) {
-            for (var k = 0u; k < count; k += 1u) {
-                let triangle = first + k;
-                if (groups == ONE_GROUP && triangles[3u * triangle + 2u].w != group) {
-                    continue;
+        var start = origin;
+        var along = direction;
+        // Numbers of triangles are by so much beyond their places
+        var beyond = 0u;
+        if (instance != NO_INSTANCE) {
+            let from_world = instance_map(instance, FROM_WORLD);
+            start = from_world * (origin - instance_vector(instance, ORIGIN));
+            along = from_world * direction;
+            beyond = instance_word(instance, FIRST_NUMBER) - instance_word(instance, FIRST_TRIANGLE);
+        }
+        let inverse = inverse_of(along);
+        let ray = sheared(start, along);
+        let is_choosy = groups == ONE_GROUP && instance == NO_INSTANCE;
+        var met = NO_INSTANCE;
+        loop {
+            if (is_done) {
+                // Boxes that begin behind what was found meanwhile are passed over
+                var is_open = false;
+                while (depth > end && !is_open) {
+                    depth -= 1u;
+                    node = stack[depth];
+                    is_open = distances[depth] <= best.t;
                 }
-                let found = intersected(triangle, ray, best.t);
-                // Those at the same distance come by their numbers
-                let is_nearer = found.x < best.t || (found.x < NEVER && (!best.is_hit || triangle < best.triangle));
-                let is_behind = found.x > after.t || (found.x == after.t && triangle > after.triangle);
-                if (is_nearer && is_behind) {
-                    best = Hit(found.x, found.yz, triangle, true);
-                    if (any) {
-                        return best;
+                if (!is_open) {
+                    break;
+                }
+            }
+            let count = nodes[2u * node].w;
+            let first = nodes[2u * node + 1u].w;
+            is_done = count != 0u;
+            if (count == AN_INSTANCE) {
+                met = first;
+                break;
+            }
+            if (is_done) {
+                for (var k = 0u; k < count; k += 1u) {
+                    let stored = first + k;
+                    if (is_choosy && triangles[3u * stored + 2u].w != group) {
+                        continue;
+                    }
+                    let found = intersected(stored, ray, best.t);
+                    let triangle = stored + beyond;
+                    // Those at the same distance come by their numbers
+                    let is_nearer = found.x < best.t || (found.x < NEVER && (!best.is_hit || triangle < best.triangle));
+                    let is_behind = found.x > after.t || (found.x == after.t && triangle > after.triangle);
+                    if (is_nearer && is_behind) {
+                        best = Hit(found.x, found.yz, triangle, true);
+                        if (any) {
+                            return best;
+                        }
+                    }
+                }
+            } else {
+                let left = entered(first, start, inverse, best.t);
+                let right = entered(first + 1u, start, inverse, best.t);
+                let near = min(left, right);
+                let far = max(left, right);
+                is_done = near >= NEVER;
+                if (!is_done) {
+                    let is_left_near = left <= right;
+                    node = select(first + 1u, first, is_left_near);
+                    if (far < NEVER && depth < STACK) {
+                        stack[depth] = select(first, first + 1u, is_left_near);
+                        distances[depth] = far;
+                        depth += 1u;
                     }
                 }
             }
-        } else {
-            let left = entered(first, origin, inverse, best.t);
-            let right = entered(first + 1u, origin, inverse, best.t);
-            let near = min(left, right);
-            let far = max(left, right);
-            is_done = near >= NEVER;
-            if (!is_done) {
-                let is_left_near = left <= right;
-                node = select(first + 1u, first, is_left_near);
-                if (far < NEVER && depth < STACK) {
-                    stack[depth] = select(first, first + 1u, is_left_near);
-                    distances[depth] = far;
-                    depth += 1u;
-                }
-            }
         }
-        if (is_done) {
-            // Boxes that begin behind what was found meanwhile are passed over
-            var is_open = false;
-            while (depth > 0u && !is_open) {
-                depth -= 1u;
-                node = stack[depth];
-                is_open = distances[depth] <= best.t;
-            }
-            if (!is_open) {
-                break;
-            }
+        if (met != NO_INSTANCE && (groups == EVERY_GROUP || instance_word(met, INSTANCE_GROUP) == group)) {
+            instance = met;
+            end = depth;
+            node = instance_word(met, MESH_ROOT);
+            is_done = false;
+        } else if (met != NO_INSTANCE || instance != NO_INSTANCE) {
+            instance = NO_INSTANCE;
+            end = 0u;
+            is_done = true;
+        } else {
+            break;
         }
     }
     return best;

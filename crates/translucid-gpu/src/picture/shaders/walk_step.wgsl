@@ -187,7 +187,7 @@ fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<
         return;
     }
     let distance = (*walk).done + (*path).hit_t;
-    let leaves = dot((*walk).direction, geometric_normal((*path).hit_triangle)) * (*walk).side > 0.0;
+    let leaves = dot((*walk).direction, geometric_normal(triangle_at((*path).hit_triangle))) * (*walk).side > 0.0;
     let ends = leaves && (*walk).nesting <= 1u;
     if (ends && distance <= (*walk).length) {
         (*walk).length = distance;

@@ -237,8 +237,36 @@ impl PrimitiveSource for PlacedObject<'_> {
     }
 }
 
+/// A place of a mesh, for devices that trace it there themselves.
+pub(crate) struct Placement {
+    /// Columns of the map into the mesh's space, its origin in the world, and columns of the map back.
+    pub(crate) rows: [Vec3; 7],
+    /// Factor on the rounding errors of coordinates as far from the origin.
+    pub(crate) amplification: f32,
+    /// Whether the place mirrors the mesh.
+    pub(crate) is_mirrored: bool,
+    /// A box around the mesh there, with room for rounding errors.
+    pub(crate) aabb: Aabb,
+}
+
+impl Placement {
+    /// The place of an object whose mesh has these bounds.
+    pub(crate) fn new(object: &Object, bounds: (Vec3, Vec3)) -> Self {
+        let InstanceBlock { local_from_world, origin, world_from_local, amplification, flags, .. } =
+            InstanceBlock::new(object, 0, 0, false);
+        let [a, b, c] = [local_from_world.x_axis, local_from_world.y_axis, local_from_world.z_axis];
+        let [x, y, z] = [world_from_local.x_axis, world_from_local.y_axis, world_from_local.z_axis];
+        Self {
+            rows: [a, b, c, origin, x, y, z],
+            amplification,
+            is_mirrored: flags & MIRRORED != 0,
+            aabb: PlacedObject::new((object, 0), 0, false, bounds).aabb(),
+        }
+    }
+}
+
 /// The objects of a scene that share their meshes.
-pub(super) struct MeshSharing {
+pub(crate) struct MeshSharing {
     /// Number of each object's mesh among the shared ones; `NONE` where it is not.
     mesh_of_object: Vec<u32>,
     /// The first object of each mesh.
@@ -252,7 +280,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 impl MeshSharing {
     /// Finds objects whose meshes have enough uses and can be traced in their own space.
-    pub(super) fn new(objects: &[Object], should_share: impl Fn(&Mesh, usize) -> bool) -> Self {
+    pub(crate) fn new(objects: &[Object], should_share: impl Fn(&Mesh, usize) -> bool) -> Self {
         let mut uses: HashMap<usize, usize> = HashMap::new();
         let address = |object: &Object| Arc::as_ptr(&object.mesh).addr();
         for object in objects {
@@ -288,7 +316,12 @@ impl MeshSharing {
 
     /// Returns `true` if an object is in the tree over places.
     pub(super) fn is_shared(&self, object: usize) -> bool {
-        self.mesh_of_object[object] != NONE
+        self.mesh_of(object).is_some()
+    }
+
+    /// Number of an object's mesh among the shared ones.
+    pub(crate) fn mesh_of(&self, object: usize) -> Option<u32> {
+        Some(self.mesh_of_object[object]).filter(|&mesh| mesh != NONE)
     }
 }
 
