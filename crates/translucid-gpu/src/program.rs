@@ -17,6 +17,7 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/surface_step.wgsl"),
     include_str!("picture/shaders/walk_step.wgsl"),
     include_str!("picture/shaders/probe_step.wgsl"),
+    include_str!("picture/shaders/pairing.wgsl"),
     include_str!("picture/shaders/profile.wgsl"),
     include_str!("picture/shaders/shadow.wgsl"),
     include_str!("picture/shaders/state.wgsl"),

@@ -3,18 +3,23 @@
 //! Pictures have the same random numbers on both sides, and the processor shares no light between pixels here, so that pixels
 //! are equal to rounding, wherever both find the same entry points.
 
-use glam::Vec3;
+#![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
+
+use std::sync::Arc;
+
+use glam::{Affine2, Vec2, Vec3};
 use translucid_export::{Export, Language, Sizes, Subject, Target};
 use translucid_profile::{
     AlbedoTable, AlbedoTableF32, Appearance, Configuration, Model, Parameterization, Profile,
 };
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Light, Material, Mesh, Object, ProfileRow, ProfileTable,
-    ScalarInput, Scene, SubsurfaceModel, SubsurfaceNormalization,
+    Camera, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material, Mesh, Object, Pixels,
+    ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceTextureAt, TextureRef,
 };
 
 use super::evaluate::Evaluation;
-use super::tests::{lamp, matte, picture, refusal, scene, tracer};
+use super::tests::{color_by_place, lamp, matte, picture, refusal, scene, texture, tracer};
 use translucid_render::FilmLayer;
 
 const COLOR: Vec3 = Vec3::new(0.9, 0.6, 0.3);
@@ -269,6 +274,58 @@ fn bodies_are_those_of_the_processor() {
         assert!(differing(&found, 1e-4) <= 0.03, "{name}: {} differ", differing(&found, 1e-4));
         let [ours, theirs] = found.map(|pixels| pixels.iter().sum::<Vec3>());
         assert!((ours - theirs).abs().max_element() <= 3e-3 * ours.max_element(), "{name}: {ours} {theirs}");
+    }
+}
+
+/// A ball whose colors and lengths a texture and vertex colors vary, and a block of another material that reaches into it, one
+/// body: whose parameters count shows, and pixels are the processor's wherever rounding leads to the same hits.
+#[test]
+fn textured_bodies_are_those_of_the_processor() {
+    let map = TextureRef { image_from_uv: Affine2::from_scale(Vec2::new(3.0, 2.0)), ..TextureRef::new(0) };
+    let textured = |model, subsurface_texture_at| Material {
+        subsurface_color: ColorInput {
+            texture: Some(map),
+            vertex_color: true,
+            ..ColorInput::constant(COLOR)
+        },
+        subsurface_radius: ScalarInput { factor: 0.5, texture: Some((map, Channel::Alpha)) },
+        subsurface_texture_at,
+        ..profile(model)
+    };
+    // In halves, as devices have texels
+    let texel =
+        |k: usize| [2 * (k % 8), 16 - k, 4 + k % 5, 6 + k / 4].map(|sixteenths| sixteenths as f32 / 16.0);
+    let image = Image {
+        color_space: ColorSpace::Linear,
+        pixels: Pixels::Float((0..16).map(texel).collect()),
+        ..texture()
+    };
+    let rendered = |model, at| {
+        let mut scene = scene(textured(model, at), textured(model, at));
+        scene.materials[1].subsurface_color.factor = Vec3::new(0.3, 0.5, 0.8);
+        scene.objects[1].subsurface_group = 0;
+        color_by_place(&mut scene.objects[0]);
+        scene.images.push(Arc::new(image.clone()));
+        scene.lights.push(lamp());
+        scene.integrator.subsurface_sharing = false;
+        both(&scene, 8)
+    };
+    let sums = |pixels: &Vec<Vec3>| pixels.iter().sum::<Vec3>();
+    for model in [Model::NormalizedDiffusion, Model::NormalizedDiffusionOblique] {
+        let [at_exit, _] = rendered(model, SubsurfaceTextureAt::Exit);
+        for at in [SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both] {
+            let found = rendered(model, at);
+            assert!(differing(&found, 1e-4) <= 0.03, "{model:?}, {at:?}: {} differ", differing(&found, 1e-4));
+            let [ours, theirs] = found.each_ref().map(sums);
+            let off = (ours - theirs).abs().max_element() / ours.max_element();
+            assert!(off <= 3e-3, "{model:?}, {at:?}: {ours} {theirs}");
+            let shown = differing(&[at_exit.clone(), found[0].clone()], 0.01);
+            assert!(shown > 0.3, "{model:?}, {at:?}: {shown} differ from the exit's texture");
+            println!(
+                "{model:?}, {at:?}: {} differ, {shown} from the exit's texture",
+                differing(&found, 1e-4)
+            );
+        }
     }
 }
 

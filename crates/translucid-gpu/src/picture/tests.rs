@@ -190,7 +190,7 @@ fn walks_have_the_means_of_the_processor() {
 }
 
 /// A cross with letters to tell its corners apart.
-fn texture() -> Image {
+pub(super) fn texture() -> Image {
     let texel = |k: u8| [40 * (k % 6), 30 * (k / 4), 255 - 15 * k, 255 - 9 * k];
     Image {
         name: "texture".into(),
@@ -248,7 +248,7 @@ fn emission_that_varies_has_the_means_of_the_processor() {
 }
 
 /// Gives an object texture coordinates and vertex colors that are functions of the place.
-fn color_by_place(object: &mut Object) {
+pub(super) fn color_by_place(object: &mut Object) {
     let mesh = Arc::make_mut(&mut object.mesh);
     mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
     mesh.colors = mesh.positions.iter().map(|p| p.abs()).collect();

@@ -32,7 +32,7 @@ pub(super) struct Materials<'a> {
     pub(super) textures: Vec<f32>,
     /// Media and kernels, with the place of their tables.
     known: Vec<(*const (), usize)>,
-    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of a kernel its words.
+    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of a kernel or a pairing its words.
     pub(super) medium_tables: Vec<f32>,
 }
 
@@ -72,9 +72,6 @@ impl<'a> Materials<'a> {
             }
             SubsurfaceTransport::Walk(walks) => self.medium(&walks.medium),
             SubsurfaceTransport::Probes(probes) | SubsurfaceTransport::Shared(probes) => {
-                if probes.pairing.is_some() {
-                    return lacks("subsurface_texture_at other than \"exit\" and a texture");
-                }
                 if material.subsurface_normalization != SubsurfaceNormalization::None {
                     return lacks("subsurface_normalization");
                 }
@@ -183,11 +180,16 @@ impl<'a> Materials<'a> {
         [1.0, surface, medium.eta, medium.g, most, number(at)]
     }
 
-    /// Six words of what is below a surface: 2 for a profile, and where its kernel begins. `None` where devices lack it.
+    /// Six words of what is below a surface: 2 for a profile, where the pairing of exits and entries begins (0 where exits count
+    /// alone), and where its kernel begins. `None` where devices lack it.
     fn profile(&mut self, probes: &Probes) -> Option<[f32; 6]> {
         let words = probes.kernel.words(probes.cutting.tail(), probes.axes)?;
         let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), || words);
-        Some([2.0, 0.0, 0.0, 0.0, 0.0, number(at)])
+        let pairing = probes.pairing.as_ref().map(|pairing| pairing.words(&probes.kernel));
+        // Never 0: the kernel is in front of it
+        let pairing_at = pairing.as_ref().map_or(0, |_| self.medium_tables.len());
+        self.medium_tables.extend(pairing.into_iter().flatten());
+        Some([2.0, number(pairing_at), 0.0, 0.0, 0.0, number(at)])
     }
 
     /// Where the tables of a medium or kernel begin, which are made where they are new.

@@ -154,7 +154,7 @@ fn weigh_probes(@builtin(global_invocation_id) id: vec3u) {
     }
     var path = slots[slot].path;
     var probe = slots[slot].probe;
-    probe_step(&path, &probe, kernel_of(slots[slot].walk.material));
+    probe_step(&path, &probe, slots[slot].walk.material, slots[slot].walk.offset);
     if (path.work == PROBE_END) {
         enqueue(POINTS, slot);
     }
