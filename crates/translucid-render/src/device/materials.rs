@@ -75,10 +75,7 @@ impl<'a> Materials<'a> {
                 if material.subsurface_normalization != SubsurfaceNormalization::None {
                     return lacks("subsurface_normalization");
                 }
-                match self.profile(probes) {
-                    Some(words) => words,
-                    None => return lacks("subsurface_model = \"directional-dipole\""),
-                }
+                self.profile(probes)
             }
         };
         let start = self.words.len();
@@ -181,15 +178,15 @@ impl<'a> Materials<'a> {
     }
 
     /// Six words of what is below a surface: 2 for a profile, where the pairing of exits and entries begins (0 where exits count
-    /// alone), and where its kernel begins. `None` where devices lack it.
-    fn profile(&mut self, probes: &Probes) -> Option<[f32; 6]> {
-        let words = probes.kernel.words(probes.cutting.tail(), probes.axes)?;
-        let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), || words);
+    /// alone), and where its kernel begins.
+    fn profile(&mut self, probes: &Probes) -> [f32; 6] {
+        let words = || probes.kernel.words(probes.cutting.tail(), probes.axes);
+        let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), words);
         let pairing = probes.pairing.as_ref().map(|pairing| pairing.words(&probes.kernel));
         // Never 0: the kernel is in front of it
         let pairing_at = pairing.as_ref().map_or(0, |_| self.medium_tables.len());
         self.medium_tables.extend(pairing.into_iter().flatten());
-        Some([2.0, number(pairing_at), 0.0, 0.0, 0.0, number(at)])
+        [2.0, number(pairing_at), 0.0, 0.0, 0.0, number(at)]
     }
 
     /// Where the tables of a medium or kernel begin, which are made where they are new.

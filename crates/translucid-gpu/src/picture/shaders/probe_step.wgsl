@@ -14,7 +14,7 @@ const AXIS_COUNT = 3u;
 const NO_AXIS = 0xffffffffu;
 
 // Goes below the surface that the camera, or a path, sees.
-fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>) {
+fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, normal: vec3f) {
     (*path).work = PROBE_NEXT;
     (*path).hit_triangle = NO_TRIANGLE;
     var probe: Probe;
@@ -30,7 +30,10 @@ fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>) {
     slots[slot].walk.group = (*met).group;
     slots[slot].walk.material = (*met).material;
     slots[slot].walk.offset = (*met).offset;
-    slots[slot].walk.side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+    let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+    slots[slot].walk.side = side;
+    // No walk has it meanwhile
+    slots[slot].walk.direction = normal * side;
 }
 
 fn axis_of(frame: mat3x3f, axis: u32) -> vec3f {
@@ -227,12 +230,20 @@ fn set_segment(
     return start < end;
 }
 
-// Factor on light that enters from a direction: the profile of oblique light over the radial one, by which entry points are
-// found. Terms are those that exports have.
-fn directional_weight(probe: ptr<function, Probe>, met: ptr<function, Met>, normal: vec3f, kernel: u32, toward: vec3f) -> vec3f {
+// Factor on light that enters from a direction: the profile of oblique light, or the directional dipole, over the radial one,
+// by which entry points are found. Terms and formulas are those of exports.
+fn directional_weight(
+    probe: ptr<function, Probe>,
+    met: ptr<function, Met>,
+    normal: vec3f,
+    exit_normal: vec3f,
+    kernel: u32,
+    toward: vec3f,
+) -> vec3f {
     if (tables[kernel + DIRECTIONS] == 0.0) {
         return vec3f(1.0);
     }
+    let is_dipole = tables[kernel + DIRECTIONS] == DIPOLE;
     oblique_means = table_color(kernel + OBLIQUE_MEANS);
     oblique_is_searchlight = tables[kernel + IS_SEARCHLIGHT] > 0.0;
     let cos_outside = min(dot(toward, normal), 1.0);
@@ -255,6 +266,13 @@ fn directional_weight(probe: ptr<function, Probe>, met: ptr<function, Met>, norm
             continue;
         }
         let radial = albedo * profile_at(profile_of(kernel, albedo, mfp), r).x;
+        if (is_dipole) {
+            let value = dipole_density(kernel, albedo, mfp, offset, toward, normal, exit_normal);
+            if (radial > 0.0 && value < NEVER * radial) {
+                factor[c] = value / radial;
+            }
+            continue;
+        }
         if (tables[kernel + IS_DMFP] > 0.0) {
             mfp = refined_mfp_from_dmfp(min(albedo, 0.9999999), mfp);
         }

@@ -229,7 +229,7 @@ fn scatter_at_surface(
     if (chosen.kind == BELOW) {
         (*path).throughput *= chosen.weight;
         if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
-            begin_probes(slot, path, met);
+            begin_probes(slot, path, met, normal);
         } else {
             begin_walk(slot, path, met, normal);
         }
