@@ -18,6 +18,7 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/walk_step.wgsl"),
     include_str!("picture/shaders/probe_step.wgsl"),
     include_str!("picture/shaders/pairing.wgsl"),
+    include_str!("picture/shaders/normalization.wgsl"),
     include_str!("picture/shaders/profile.wgsl"),
     include_str!("picture/shaders/directional_dipole.wgsl"),
     include_str!("picture/shaders/shadow.wgsl"),

@@ -21,7 +21,7 @@ use translucid_scene::{
 };
 
 use super::evaluate::Evaluation;
-use super::tests::{color_by_place, lamp, matte, picture, refusal, scene, texture, tracer};
+use super::tests::{color_by_place, lamp, matte, picture, scene, shape, texture, tracer};
 use translucid_render::FilmLayer;
 
 const COLOR: Vec3 = Vec3::new(0.9, 0.6, 0.3);
@@ -207,12 +207,27 @@ pub(super) fn differing(both: &[Vec<Vec3>; 2], bound: f32) -> f32 {
     ours.iter().zip(theirs).filter(is_other).count() as f32 / ours.len() as f32
 }
 
+/// Mean of a channel over pixels, with its standard error.
+fn mean_and_error(pixels: &[Vec3], channel: usize) -> (f64, f64) {
+    let values: Vec<f64> = pixels.iter().map(|pixel| pixel[channel].into()).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+}
+
 fn materials() -> Vec<(&'static str, Material)> {
     let oblique = profile(Model::NormalizedDiffusionOblique);
     vec![
         ("normalized diffusion", profile(Model::NormalizedDiffusion)),
         ("refined", profile(Model::NormalizedDiffusionRefined)),
         ("dipole", profile(Model::Dipole)),
+        (
+            "normalized",
+            Material {
+                subsurface_normalization: SubsurfaceNormalization::Energy,
+                ..profile(Model::NormalizedDiffusion)
+            },
+        ),
         ("oblique", oblique.clone()),
         (
             "oblique, searchlight, diffuse mean free path",
@@ -246,10 +261,7 @@ fn planes_are_those_of_the_processor_and_return_a() {
         };
         assert!(differing(&found, bound) <= 0.02, "{name}: {} differ", differing(&found, bound));
         for c in 0..3 {
-            let values: Vec<f64> = found[1].iter().map(|pixel| pixel[c].into()).collect();
-            let n = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / n;
-            let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+            let (mean, error) = mean_and_error(&found[1], c);
             let off = (mean - f64::from(COLOR[c])).abs();
             assert!(!is_lit_alike || off <= 4.5 * error + 1e-4, "{name}, channel {c}: {mean} ± {error}");
         }
@@ -339,6 +351,41 @@ fn textured_bodies_are_those_of_the_processor() {
     }
 }
 
+/// Light from below a normalized ball is A under an even sky, although the ball holds much less of the profile than a plane, and
+/// pixels are the processor's to 1e-3: clusters of points are opened in another order there, the more of them stand in for their
+/// points the larger the tolerance, and both sums are good to far less than that.
+///
+/// 12 comparisons with A within 4.5 standard errors and 1 %: less than one false alarm in 12,000 runs, and none without a new seed.
+#[test]
+fn normalized_shapes_return_a_as_on_the_processor() {
+    for (model, tolerance) in [Model::NormalizedDiffusion, Model::Dipole]
+        .into_iter()
+        .flat_map(|model| [0.05, 0.3].map(|tolerance| (model, tolerance)))
+    {
+        let mut scene = plane(Material {
+            subsurface_normalization: SubsurfaceNormalization::Energy,
+            subsurface_radius: ScalarInput::constant(1.0),
+            ..profile(model)
+        });
+        scene.objects = vec![shape("sphere", 1.0, Vec3::ZERO, 0, 0)];
+        scene.camera.position = Vec3::new(0.0, 0.0, 1.5);
+        scene.integrator.point_tolerance = tolerance;
+        let found = both(&scene, 64);
+        assert!(differing(&found, 1e-3) <= 0.03, "{model:?}: {} differ", differing(&found, 1e-3));
+        scene.materials[0].subsurface_normalization = SubsurfaceNormalization::None;
+        let bare = &both(&scene, 64)[1];
+        for c in 0..3 {
+            let (mean, error) = mean_and_error(&found[1], c);
+            println!("{model:?} {c}: {mean} ± {error}, {} without", mean_and_error(bare, c).0);
+            let off = (mean - f64::from(COLOR[c])).abs();
+            let allowed = 4.5 * error + 0.01 * f64::from(COLOR[c]);
+            assert!(off <= allowed, "{model:?}, channel {c}: {mean} ± {error}");
+        }
+        let lacking = f64::from(COLOR.x) - mean_and_error(bare, 0).0;
+        assert!(lacking > 0.3, "{model:?}: {lacking} is made up for");
+    }
+}
+
 /// The directional dipole is the processor's, for any surface albedo, length, offset and directions.
 #[test]
 fn directional_dipoles_are_those_of_the_processor() {
@@ -407,12 +454,4 @@ fn directional_dipoles_are_those_of_the_processor() {
         }
     }
     println!("worst {worst} of what is allowed; {strict} of 16,000 are beyond 1e-5 by their inputs alone");
-}
-
-#[test]
-fn profiles_that_devices_lack_are_refused_by_name() {
-    let even = profile(Model::NormalizedDiffusion);
-    let normalized = Material { subsurface_normalization: SubsurfaceNormalization::Energy, ..even };
-    let error = refusal(scene(normalized, matte()));
-    assert!(error.contains("material wax has subsurface_normalization"), "{error}");
 }

@@ -418,6 +418,7 @@ fn heads_of_tables_agree() {
         ("FARTHEST", Header::Farthest),
         ("SHADOWS_LOOK", Header::ShadowsLook),
         ("DIAGONAL", Header::Diagonal),
+        ("SHAPES", Header::Shapes),
     ] {
         assert!(text.contains(&format!("const {name} = {}u;", place as u32)), "{name}");
     }

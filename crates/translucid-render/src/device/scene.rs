@@ -63,6 +63,8 @@ pub enum Header {
     ShadowsLook,
     /// Diagonal of the scene's bounds \[L\].
     Diagonal,
+    /// Where the points of shapes that profiles are normalized by begin; 0 if there are none.
+    Shapes,
     /// Number of words of the header.
     Count,
 }
@@ -92,7 +94,7 @@ impl DeviceScene {
     /// The scene needs something that devices lack, or is too large for this one; the message names it.
     pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
         let scene = prepared.scene();
-        let (world, _) = prepared.parts();
+        let (world, transports) = prepared.parts();
         if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
             return Err(SceneError::new(
                 "integrator.subsurface_method is not \"ray-traced\", which devices lack",
@@ -132,6 +134,7 @@ impl DeviceScene {
             })
         });
         let integrator = &scene.integrator;
+        let shapes = transports.normalizer().map(|normalizer| normalizer.gatherer().words());
         let (low, high) = world.geometry.bounds();
         let (middle, diagonal) = (0.5 * (low + high), high - low);
         let mut images = lights.images;
@@ -157,6 +160,7 @@ impl DeviceScene {
             (Header::Farthest, (diagonal * FARTHEST).length_squared()),
             (Header::ShadowsLook, if prepared.shadows_look() { 1.0 } else { 0.0 }),
             (Header::Diagonal, diagonal.length()),
+            (Header::Shapes, shapes.map_or(0.0, |words| append(&words))),
         ];
         for (place, value) in header {
             tables[place as usize] = value;

@@ -42,6 +42,8 @@ const PROFILE_BELOW = 2u;
 const WALK_SURFACE = 95u;
 // Of a profile instead: where the pairing of exits and entries begins behind the media, 0 where exits count alone.
 const PAIRING = 95u;
+// Where the smooth profile begins there by which shapes are normalized, 0 for none.
+const NORMALIZATION = 96u;
 const WALK_ETA = 96u;
 const WALK_G = 97u;
 const MOST_FLIGHTS = 98u;

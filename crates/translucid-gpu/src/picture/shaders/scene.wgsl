@@ -56,6 +56,7 @@ const MIDDLE = 17u;
 const FARTHEST = 20u;
 const SHADOWS_LOOK = 21u;
 const DIAGONAL = 22u;
+const SHAPES = 23u;
 
 fn head(place: u32) -> u32 {
     return u32(tables[place]);
