@@ -13,11 +13,12 @@ use crate::token::{Token, tokens};
 const REFINED: &str = include_str!("formulas/refined.wgsl");
 
 /// All formulas, from those that others call to those that call them.
-const FORMULAS: [&str; 7] = [
+const FORMULAS: [&str; 8] = [
     include_str!("formulas/elementary.wgsl"),
     include_str!("formulas/burley.wgsl"),
     REFINED,
     include_str!("formulas/oblique.wgsl"),
+    include_str!("formulas/directional_dipole.wgsl"),
     include_str!("formulas/gaussians.wgsl"),
     include_str!("formulas/fresnel.wgsl"),
     include_str!("formulas/probe.wgsl"),
@@ -29,9 +30,10 @@ pub(crate) fn formulas(roots: &[&str], configuration: Configuration, made: &str)
     with_called(roots, &constants(configuration), made)
 }
 
-/// The terms of oblique light in WGSL for a path tracer, which knows boundary and configuration when it runs: it sets
-/// `oblique_means`, the means of the energy's functions over diffuse light that was refracted, and `oblique_is_searchlight`.
-pub fn oblique_terms_of_any_boundary() -> String {
+/// The directional dipole and the terms of oblique light in WGSL for a path tracer, which knows boundary and configuration when it
+/// runs: it sets `oblique_means`, the means of the energy's functions over diffuse light that was refracted, and
+/// `oblique_is_searchlight`.
+pub fn directional_formulas() -> String {
     let mut constants = constants(Configuration::Diffuse);
     let [log, first, second] = coefficients::OBLIQUE_ENERGY.map(|row| horner(&row, "diffuse"));
     let searchlight = horner(&coefficients::OBLIQUE_DIFFUSE_ALBEDO, "albedo");
@@ -50,7 +52,8 @@ pub fn oblique_terms_of_any_boundary() -> String {
     let mfp_per_dmfp = format!("select({diffuse}, {searchlight}, oblique_is_searchlight)");
     constants.insert(String::from("mfp_per_dmfp"), mfp_per_dmfp);
     let variables = "var<private> oblique_means: vec3f;\nvar<private> oblique_is_searchlight: bool;\n\n";
-    variables.to_owned() + &with_called(&["oblique_terms", "refined_mfp_from_dmfp"], &constants, "")
+    let roots = ["oblique_terms", "refined_mfp_from_dmfp", "directional_dipole", "directional_dipole_eval"];
+    variables.to_owned() + &with_called(&roots, &constants, "")
 }
 
 /// Functions of given names with all that they call, and constants in their places.
@@ -156,6 +159,9 @@ fn constants(configuration: Configuration) -> BTreeMap<String, String> {
     }
     add("mfp_per_dmfp", horner(&coefficients::mfp_per_dmfp(configuration), "a"));
 
+    // σ_tr over √(1 − α'), and Davison's extrapolation length as the paper of the directional dipole rounds it
+    add("dipole.root_3", literal(3_f64.sqrt()));
+    add("dipole.extrapolation", literal(2.131 / 3.0));
     add("oblique.mean_log", literal((4.0 * LN_2 - 1.0) / 3.0));
     add("oblique.least_cos_theta", literal(coefficients::OBLIQUE_LEAST_COS_THETA));
     add("oblique.albedos", oblique_albedos(configuration));

@@ -64,7 +64,7 @@ pub use curvature_table::CurvatureTable;
 pub use error::ExportError;
 pub use export::{Export, Sizes};
 #[doc(hidden)]
-pub use formula::oblique_terms_of_any_boundary;
+pub use formula::directional_formulas;
 pub use function::{Function, functions};
 pub use image_format::ImageFormat;
 pub use language::Language;

@@ -17,7 +17,10 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/surface_step.wgsl"),
     include_str!("picture/shaders/walk_step.wgsl"),
     include_str!("picture/shaders/probe_step.wgsl"),
+    include_str!("picture/shaders/pairing.wgsl"),
+    include_str!("picture/shaders/normalization.wgsl"),
     include_str!("picture/shaders/profile.wgsl"),
+    include_str!("picture/shaders/directional_dipole.wgsl"),
     include_str!("picture/shaders/shadow.wgsl"),
     include_str!("picture/shaders/state.wgsl"),
     include_str!("picture/shaders/scene.wgsl"),
@@ -49,9 +52,9 @@ pub const LIGHT_SHADERS: [&str; 14] = [
     include_str!("picture/shaders/light_tables.wgsl"),
 ];
 
-/// All shaders, and the formulas of oblique light, which exports have, too.
+/// All shaders, and the formulas of directional models, which exports have.
 pub fn text() -> String {
-    PATH_SHADERS.concat() + &LIGHT_SHADERS.concat() + &translucid_export::oblique_terms_of_any_boundary()
+    PATH_SHADERS.concat() + &LIGHT_SHADERS.concat() + &translucid_export::directional_formulas()
 }
 
 /// The kernels of a round, and how many slots one invocation each they need.

@@ -98,10 +98,10 @@ fn devices_render_and_refuse_by_name() {
     std::fs::write(folder.join("ball.toml"), BALL).unwrap();
     stdout(folder, &format!("{RENDER} --device {device}"));
     assert!(folder.join("ball.exr").exists() && folder.join("ball.png").exists());
-    let dipole = RENDER.replace("ball.exr", "dipole.exr");
-    let message = refused(folder, &format!("{dipole} --device {device} --subsurface directional-dipole"));
-    assert!(message.contains("material m has subsurface_model = \"directional-dipole\""), "{message}");
-    assert!(!folder.join("dipole.exr").exists());
+    let points = RENDER.replace("ball.exr", "points.exr");
+    let message = refused(folder, &format!("{points} --device {device} --subsurface-method point-based"));
+    assert!(message.contains("integrator.subsurface_method is not \"ray-traced\""), "{message}");
+    assert!(!folder.join("points.exr").exists());
     let message = refused(folder, &format!("{RENDER} --device nonesuch"));
     assert!(message.contains("there is no device \"nonesuch\""), "{message}");
 }

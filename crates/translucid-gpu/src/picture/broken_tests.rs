@@ -8,7 +8,7 @@ use glam::Vec3;
 use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::device::{DeviceLimits, DeviceScene};
 use translucid_render::{FilmLayer, PreparedScene};
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SubsurfaceNormalization, SubsurfaceTextureAt};
 
 use super::tests::{picture, tracer};
 
@@ -22,6 +22,10 @@ fn everything() -> Scene {
     let mut scene = scene_of_everything();
     for material in &mut scene.materials {
         material.layers.clear();
+        if material.subsurface_color.texture.is_some() {
+            material.subsurface_texture_at = SubsurfaceTextureAt::Both;
+            material.subsurface_normalization = SubsurfaceNormalization::Energy;
+        }
     }
     scene
 }
@@ -48,7 +52,8 @@ fn broken_scenes_are_refused_or_the_processors() {
     let (mut rendered, mut refused) = (0, 0);
     for BrokenScene { place, change, mut scene, .. } in sound.into_iter().step_by(step) {
         if let Some(message) = refusal(&scene) {
-            assert!(message.contains("devices lack") || message.contains("device holds"), "{message}");
+            let reasons = ["devices lack", "device holds", "values above"];
+            assert!(reasons.iter().any(|reason| message.contains(reason)), "{message}");
             refused += 1;
             continue;
         }

@@ -3,18 +3,25 @@
 //! Pictures have the same random numbers on both sides, and the processor shares no light between pixels here, so that pixels
 //! are equal to rounding, wherever both find the same entry points.
 
-use glam::Vec3;
+#![allow(clippy::print_stdout, reason = "the figures are for those who ask with --nocapture")]
+
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use glam::{Affine2, Vec2, Vec3};
 use translucid_export::{Export, Language, Sizes, Subject, Target};
 use translucid_profile::{
-    AlbedoTable, AlbedoTableF32, Appearance, Configuration, Model, Parameterization, Profile,
+    AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model, Parameterization,
+    Profile,
 };
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Light, Material, Mesh, Object, ProfileRow, ProfileTable,
-    ScalarInput, Scene, SubsurfaceModel, SubsurfaceNormalization,
+    Camera, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material, Mesh, Object, Pixels,
+    ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceTextureAt, TextureRef,
 };
 
 use super::evaluate::Evaluation;
-use super::tests::{lamp, matte, picture, refusal, scene, tracer};
+use super::tests::{color_by_place, lamp, matte, picture, scene, shape, texture, tracer};
 use translucid_render::FilmLayer;
 
 const COLOR: Vec3 = Vec3::new(0.9, 0.6, 0.3);
@@ -200,12 +207,27 @@ pub(super) fn differing(both: &[Vec<Vec3>; 2], bound: f32) -> f32 {
     ours.iter().zip(theirs).filter(is_other).count() as f32 / ours.len() as f32
 }
 
+/// Mean of a channel over pixels, with its standard error.
+fn mean_and_error(pixels: &[Vec3], channel: usize) -> (f64, f64) {
+    let values: Vec<f64> = pixels.iter().map(|pixel| pixel[channel].into()).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+}
+
 fn materials() -> Vec<(&'static str, Material)> {
     let oblique = profile(Model::NormalizedDiffusionOblique);
     vec![
         ("normalized diffusion", profile(Model::NormalizedDiffusion)),
         ("refined", profile(Model::NormalizedDiffusionRefined)),
         ("dipole", profile(Model::Dipole)),
+        (
+            "normalized",
+            Material {
+                subsurface_normalization: SubsurfaceNormalization::Energy,
+                ..profile(Model::NormalizedDiffusion)
+            },
+        ),
         ("oblique", oblique.clone()),
         (
             "oblique, searchlight, diffuse mean free path",
@@ -216,6 +238,10 @@ fn materials() -> Vec<(&'static str, Material)> {
             },
         ),
         ("oblique, refracted", Material { subsurface_eta: 1.4, ..oblique }),
+        (
+            "directional dipole, searchlight",
+            Material { subsurface_eta: 1.4, ..profile(Model::DirectionalDipole) },
+        ),
     ]
 }
 
@@ -228,13 +254,14 @@ fn planes_are_those_of_the_processor_and_return_a() {
         let is_lit_alike = !name.contains("searchlight");
         let found = both(&plane(material), 32);
         // The processor has the factor of oblique light in double precision: where light grazes, single precision is off more
-        let bound = if name.contains("oblique") { 1e-3 } else { 1e-5 };
+        let bound = if ["oblique", "dipole, searchlight"].iter().any(|kind| name.contains(kind)) {
+            1e-3
+        } else {
+            1e-5
+        };
         assert!(differing(&found, bound) <= 0.02, "{name}: {} differ", differing(&found, bound));
         for c in 0..3 {
-            let values: Vec<f64> = found[1].iter().map(|pixel| pixel[c].into()).collect();
-            let n = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / n;
-            let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+            let (mean, error) = mean_and_error(&found[1], c);
             let off = (mean - f64::from(COLOR[c])).abs();
             assert!(!is_lit_alike || off <= 4.5 * error + 1e-4, "{name}, channel {c}: {mean} ± {error}");
         }
@@ -272,13 +299,159 @@ fn bodies_are_those_of_the_processor() {
     }
 }
 
+/// A ball whose colors and lengths a texture and vertex colors vary, and a block of another material that reaches into it, one
+/// body: whose parameters count shows, and pixels are the processor's wherever rounding leads to the same hits.
 #[test]
-fn profiles_that_devices_lack_are_refused_by_name() {
-    let even = profile(Model::NormalizedDiffusion);
-    let directed = profile(Model::DirectionalDipole);
-    let normalized = Material { subsurface_normalization: SubsurfaceNormalization::Energy, ..even };
-    for (material, expected) in [(directed, "directional-dipole"), (normalized, "subsurface_normalization")] {
-        let error = refusal(scene(material, matte()));
-        assert!(error.contains(expected) && error.contains("material wax"), "{error}");
+fn textured_bodies_are_those_of_the_processor() {
+    let map = TextureRef { image_from_uv: Affine2::from_scale(Vec2::new(3.0, 2.0)), ..TextureRef::new(0) };
+    let textured = |model, subsurface_texture_at| Material {
+        subsurface_color: ColorInput {
+            texture: Some(map),
+            vertex_color: true,
+            ..ColorInput::constant(COLOR)
+        },
+        subsurface_radius: ScalarInput { factor: 0.5, texture: Some((map, Channel::Alpha)) },
+        subsurface_texture_at,
+        ..profile(model)
+    };
+    // In halves, as devices have texels
+    let texel =
+        |k: usize| [2 * (k % 8), 16 - k, 4 + k % 5, 6 + k / 4].map(|sixteenths| sixteenths as f32 / 16.0);
+    let image = Image {
+        color_space: ColorSpace::Linear,
+        pixels: Pixels::Float((0..16).map(texel).collect()),
+        ..texture()
+    };
+    let rendered = |model, at| {
+        let mut scene = scene(textured(model, at), textured(model, at));
+        scene.materials[1].subsurface_color.factor = Vec3::new(0.3, 0.5, 0.8);
+        scene.objects[1].subsurface_group = 0;
+        color_by_place(&mut scene.objects[0]);
+        scene.images.push(Arc::new(image.clone()));
+        scene.lights.push(lamp());
+        scene.integrator.subsurface_sharing = false;
+        both(&scene, 8)
+    };
+    let sums = |pixels: &Vec<Vec3>| pixels.iter().sum::<Vec3>();
+    for model in [Model::NormalizedDiffusion, Model::NormalizedDiffusionOblique] {
+        let [at_exit, _] = rendered(model, SubsurfaceTextureAt::Exit);
+        for at in [SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both] {
+            let found = rendered(model, at);
+            assert!(differing(&found, 1e-4) <= 0.03, "{model:?}, {at:?}: {} differ", differing(&found, 1e-4));
+            let [ours, theirs] = found.each_ref().map(sums);
+            let off = (ours - theirs).abs().max_element() / ours.max_element();
+            assert!(off <= 3e-3, "{model:?}, {at:?}: {ours} {theirs}");
+            let shown = differing(&[at_exit.clone(), found[0].clone()], 0.01);
+            assert!(shown > 0.3, "{model:?}, {at:?}: {shown} differ from the exit's texture");
+            println!(
+                "{model:?}, {at:?}: {} differ, {shown} from the exit's texture",
+                differing(&found, 1e-4)
+            );
+        }
     }
+}
+
+/// Light from below a normalized ball is A under an even sky, although the ball holds much less of the profile than a plane, and
+/// pixels are the processor's to 1e-3: clusters of points are opened in another order there, the more of them stand in for their
+/// points the larger the tolerance, and both sums are good to far less than that.
+///
+/// 12 comparisons with A within 4.5 standard errors and 1 %: less than one false alarm in 12,000 runs, and none without a new seed.
+#[test]
+fn normalized_shapes_return_a_as_on_the_processor() {
+    for (model, tolerance) in [Model::NormalizedDiffusion, Model::Dipole]
+        .into_iter()
+        .flat_map(|model| [0.05, 0.3].map(|tolerance| (model, tolerance)))
+    {
+        let mut scene = plane(Material {
+            subsurface_normalization: SubsurfaceNormalization::Energy,
+            subsurface_radius: ScalarInput::constant(1.0),
+            ..profile(model)
+        });
+        scene.objects = vec![shape("sphere", 1.0, Vec3::ZERO, 0, 0)];
+        scene.camera.position = Vec3::new(0.0, 0.0, 1.5);
+        scene.integrator.point_tolerance = tolerance;
+        let found = both(&scene, 64);
+        assert!(differing(&found, 1e-3) <= 0.03, "{model:?}: {} differ", differing(&found, 1e-3));
+        scene.materials[0].subsurface_normalization = SubsurfaceNormalization::None;
+        let bare = &both(&scene, 64)[1];
+        for c in 0..3 {
+            let (mean, error) = mean_and_error(&found[1], c);
+            println!("{model:?} {c}: {mean} ± {error}, {} without", mean_and_error(bare, c).0);
+            let off = (mean - f64::from(COLOR[c])).abs();
+            let allowed = 4.5 * error + 0.01 * f64::from(COLOR[c]);
+            assert!(off <= allowed, "{model:?}, channel {c}: {mean} ± {error}");
+        }
+        let lacking = f64::from(COLOR.x) - mean_and_error(bare, 0).0;
+        assert!(lacking > 0.3, "{model:?}: {lacking} is made up for");
+    }
+}
+
+/// The directional dipole is the processor's, for any surface albedo, length, offset and directions.
+#[test]
+fn directional_dipoles_are_those_of_the_processor() {
+    let body = "
+        let at = vec3f(inputs[i + 2], inputs[i + 3], inputs[i + 4]);
+        let light = vec3f(inputs[i + 5], inputs[i + 6], inputs[i + 7]);
+        let n_o = vec3f(inputs[i + 8], inputs[i + 9], inputs[i + 10]);
+        outputs[o] = dipole_density(0u, inputs[i], inputs[i + 1], at, light, vec3f(0.0, 0.0, 1.0), n_o);";
+    let [kernel, formulas] = [
+        "const PI = 3.14159265; const REFRACTION_ETA = 6u; const IS_DMFP = 2u;
+        fn table_color(at: u32) -> vec3f { return vec3f(tables[at], tables[at + 1u], tables[at + 2u]); }",
+        &translucid_export::directional_formulas(),
+    ];
+    let shaders = [include_str!("shaders/directional_dipole.wgsl"), kernel, formulas];
+    let mut random = translucid_testing::SplitMix(11);
+    let (mut worst, mut strict) = (0.0_f32, 0);
+    for (eta, g, parameterization) in [
+        (1.4, 0.0, Parameterization::Mfp),
+        (1.4, 0.8, Parameterization::Dmfp),
+        (1.0, -0.3, Parameterization::Mfp),
+        (0.8, 0.0, Parameterization::Dmfp),
+    ] {
+        let dipoles = DirectionalDipoleTable::new(eta, g, parameterization).unwrap();
+        let (mut six, table) = dipoles.words();
+        six[0] = 7.0;
+        let tables = [&[2.0], &six[..], &table].concat();
+        let mut input = || {
+            let mut unit = || loop {
+                let v = Vec3::from_array([(); 3].map(|()| 2.0 * random.uniform_f32() - 1.0));
+                if (0.01..1.0).contains(&v.length_squared()) {
+                    break v.normalize();
+                }
+            };
+            let [offset, mut light, normal] = [unit(), unit(), unit()];
+            light.z = light.z.abs().max(0.02);
+            let albedo = random.uniform_f32().clamp(1e-3, 0.999);
+            let length = 10f32.powf(6.0 * random.uniform_f32() - 3.0);
+            let way = offset * length * 10f32.powf(4.0 * random.uniform_f32() - 2.5);
+            let [light, normal] = [light.normalize().to_array(), normal.to_array()];
+            [&[albedo, length], &way.to_array()[..], &light, &normal].concat()
+        };
+        let inputs: Vec<Vec<f32>> = (0..4000).map(|_| input()).collect();
+        let evaluation =
+            Evaluation { shaders: &shaders, body, tables: &tables, images: &[0], widths: [11, 1] };
+        let found = evaluation.run(&inputs.concat());
+        for (input, found) in inputs.iter().zip(found) {
+            let dipole = dipoles.at(input[0], input[1]);
+            let [way, light, n_o]: [[f32; 3]; 3] = [2, 5, 8].map(|at| input[at..at + 3].try_into().unwrap());
+            let r = Vec3::from(way).length();
+            let up = [0.0, 0.0, 1.0];
+            let eval = |way, light, n_o| TAU * r * dipole.eval(way, light, up, n_o);
+            let expected = eval(way, light, n_o);
+            // Where the sources' parts cancel, rounding is that of either, which is about as large as along the normal
+            let size = TAU * r * dipole.eval([r, 0.0, 0.0], up, up, up);
+            // Inputs that are rounded once more
+            let spread = (0..9).map(|k| {
+                let mut moved = [way, light, n_o];
+                moved[k / 3][k % 3] += f32::EPSILON * if k < 3 { r } else { 1.0 };
+                (eval(moved[0], moved[1], moved[2]) - expected).abs()
+            });
+            let allowed = 1e-5 * expected.max(size) + 2.0 * spread.fold(0.0, f32::max);
+            let off = (found - expected).abs();
+            worst = worst.max(off / allowed);
+            strict += usize::from(off > 1e-5 * expected.max(size));
+            assert!(off <= allowed, "{eta} {g} {input:?}: {found}, not {expected} ± {allowed}");
+        }
+    }
+    println!("worst {worst} of what is allowed; {strict} of 16,000 are beyond 1e-5 by their inputs alone");
 }

@@ -248,7 +248,7 @@ fn emission_that_varies_has_the_means_of_the_processor() {
 }
 
 /// Gives an object texture coordinates and vertex colors that are functions of the place.
-fn color_by_place(object: &mut Object) {
+pub(super) fn color_by_place(object: &mut Object) {
     let mesh = Arc::make_mut(&mut object.mesh);
     mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
     mesh.colors = mesh.positions.iter().map(|p| p.abs()).collect();
@@ -420,6 +420,7 @@ fn heads_of_tables_agree() {
         ("DIAGONAL", Header::Diagonal),
         ("INSTANCES", Header::Instances),
         ("TANGENTS", Header::Tangents),
+        ("SHAPES", Header::Shapes),
     ] {
         assert!(text.contains(&format!("const {name} = {}u;", place as u32)), "{name}");
     }

@@ -30,9 +30,9 @@ pub(super) struct Materials<'a> {
     scene: &'a Scene,
     pub(super) words: Vec<f32>,
     pub(super) textures: Vec<f32>,
-    /// Media and kernels, with the place of their tables.
+    /// Media, kernels and smooth profiles, with the place of their tables.
     known: Vec<(*const (), usize)>,
-    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of a kernel its words.
+    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of what else is below a surface its words.
     pub(super) medium_tables: Vec<f32>,
 }
 
@@ -72,16 +72,13 @@ impl<'a> Materials<'a> {
             }
             SubsurfaceTransport::Walk(walks) => self.medium(&walks.medium),
             SubsurfaceTransport::Probes(probes) | SubsurfaceTransport::Shared(probes) => {
-                if probes.pairing.is_some() {
-                    return lacks("subsurface_texture_at other than \"exit\" and a texture");
-                }
-                if material.subsurface_normalization != SubsurfaceNormalization::None {
-                    return lacks("subsurface_normalization");
-                }
-                match self.profile(probes) {
-                    Some(words) => words,
-                    None => return lacks("subsurface_model = \"directional-dipole\""),
-                }
+                let [kind, pairing, .., at] = self.profile(probes);
+                let is_normalized = material.subsurface_normalization != SubsurfaceNormalization::None;
+                let normalizer = transports.normalizer().filter(|_| is_normalized);
+                let smooth = normalizer.and_then(|normalizer| normalizer.gatherer().profile(index));
+                let smooth_at =
+                    smooth.map_or(0, |smooth| self.place_of(Arc::as_ptr(smooth).cast(), || smooth.words()));
+                [kind, pairing, number(smooth_at), 0.0, 0.0, at]
             }
         };
         let start = self.words.len();
@@ -183,11 +180,18 @@ impl<'a> Materials<'a> {
         [1.0, surface, medium.eta, medium.g, most, number(at)]
     }
 
-    /// Six words of what is below a surface: 2 for a profile, and where its kernel begins. `None` where devices lack it.
-    fn profile(&mut self, probes: &Probes) -> Option<[f32; 6]> {
-        let words = probes.kernel.words(probes.cutting.tail(), probes.axes)?;
-        let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), || words);
-        Some([2.0, 0.0, 0.0, 0.0, 0.0, number(at)])
+    /// Six words of what is below a surface: 2 for a profile, where the pairing of exits and entries begins (0 where exits count
+    /// alone), where the smooth profile begins by which shapes are normalized (0 for none), and where its kernel begins.
+    fn profile(&mut self, probes: &Probes) -> [f32; 6] {
+        let words = || probes.kernel.words(probes.cutting.tail(), probes.axes);
+        let at = self.place_of(Arc::as_ptr(&probes.kernel).cast(), words);
+        // Never 0: the kernel is in front of it
+        let pairing_at = probes.pairing.as_ref().map_or(0, |pairing| {
+            let at = self.medium_tables.len();
+            self.medium_tables.extend(pairing.words(&probes.kernel));
+            at
+        });
+        [2.0, number(pairing_at), 0.0, 0.0, 0.0, number(at)]
     }
 
     /// Where the tables of a medium or kernel begin, which are made where they are new.

@@ -67,6 +67,8 @@ pub enum Header {
     Instances,
     /// Tangents of a triangle.
     Tangents,
+    /// Where the points of shapes that profiles are normalized by begin; 0 if there are none.
+    Shapes,
     /// Number of words of the header.
     Count,
 }
@@ -98,7 +100,7 @@ impl DeviceScene {
     /// The scene needs something that devices lack, or is too large for this one; the message names it.
     pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
         let scene = prepared.scene();
-        let (world, _) = prepared.parts();
+        let (world, transports) = prepared.parts();
         if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
             return Err(SceneError::new(
                 "integrator.subsurface_method is not \"ray-traced\", which devices lack",
@@ -140,6 +142,7 @@ impl DeviceScene {
             })
         });
         let integrator = &scene.integrator;
+        let shapes = transports.normalizer().map(|normalizer| normalizer.gatherer().words());
         let (low, high) = world.geometry.bounds();
         let (middle, diagonal) = (0.5 * (low + high), high - low);
         let mut images = lights.images;
@@ -167,6 +170,7 @@ impl DeviceScene {
             (Header::Diagonal, diagonal.length()),
             (Header::Instances, triangles.instances as f32),
             (Header::Tangents, layout.tangents as f32),
+            (Header::Shapes, shapes.map_or(0.0, |words| append(&words))),
         ];
         for (place, value) in header {
             tables[place as usize] = value;

@@ -54,6 +54,11 @@ impl Normalizer {
         Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world, transports) }))
     }
 
+    /// The points, for a device.
+    pub(crate) fn gatherer(&self) -> &Gatherer {
+        &self.points
+    }
+
     /// Factor on the light that leaves at a point of a material.
     pub(crate) fn factor(
         &self,

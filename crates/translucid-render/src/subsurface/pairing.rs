@@ -134,6 +134,14 @@ impl Pairing {
         Subsurface { surface_albedo: self.widest, length }
     }
 
+    /// The pairing for a device: whether the exit's parameters count as well, the greatest surface albedos, surface albedos
+    /// and lengths of the [widest](Self::widest) profiles.
+    pub(crate) fn words(&self, kernel: &SubsurfaceKernel) -> Vec<f32> {
+        let Subsurface { surface_albedo, length } = self.widest(kernel);
+        let colors = [self.surface_albedo, surface_albedo, length].map(|color| color.to_array());
+        [&[f32::from(u8::from(self.is_symmetric))], colors.as_flattened()].concat()
+    }
+
     /// Greatest surface albedo of any pair with an exit of the given one.
     pub(crate) fn brightest(&self, exit: Vec3) -> Vec3 {
         if self.is_symmetric { geometric_mean(self.surface_albedo, exit) } else { self.surface_albedo }

@@ -196,6 +196,11 @@ impl Transports {
         self.of(exit.material).scatter(tracer, world, path, exit, sampler)
     }
 
+    /// The points by which materials are normalized.
+    pub(crate) fn normalizer(&self) -> Option<&Normalizer> {
+        self.normalizer.as_ref()
+    }
+
     /// Factor on light that leaves at a point, for its shape.
     pub(crate) fn shape_factor(
         &self,

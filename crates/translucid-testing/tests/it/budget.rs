@@ -23,7 +23,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-profile", 8590),
     ("translucid-python", 5270),
     ("translucid-reference", 10990),
-    ("translucid-render", 19080),
+    ("translucid-render", 19240),
     ("translucid-scene", 3910),
     ("translucid-shapes", 2140),
     ("translucid-testing", 200),

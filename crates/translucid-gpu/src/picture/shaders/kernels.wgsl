@@ -154,8 +154,11 @@ fn weigh_probes(@builtin(global_invocation_id) id: vec3u) {
     }
     var path = slots[slot].path;
     var probe = slots[slot].probe;
-    probe_step(&path, &probe, kernel_of(slots[slot].walk.material));
+    let material = slots[slot].walk.material;
+    let exit = Below(probe.surface_albedo, probe.length);
+    probe_step(&path, &probe, material, slots[slot].walk.offset);
     if (path.work == PROBE_END) {
+        path.throughput *= shape_factor(material, slots[slot].walk.group, exit, probe.exit);
         enqueue(POINTS, slot);
     }
     slots[slot].path = path;

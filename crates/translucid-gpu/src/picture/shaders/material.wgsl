@@ -40,6 +40,10 @@ const BELOW_KIND = 94u;
 const WALK_BELOW = 1u;
 const PROFILE_BELOW = 2u;
 const WALK_SURFACE = 95u;
+// Of a profile instead: where the pairing of exits and entries begins behind the media, 0 where exits count alone.
+const PAIRING = 95u;
+// Where the smooth profile begins there by which shapes are normalized, 0 for none.
+const NORMALIZATION = 96u;
 const WALK_ETA = 96u;
 const WALK_G = 97u;
 const MOST_FLIGHTS = 98u;
@@ -229,11 +233,18 @@ fn set_profile(met: ptr<function, Met>, p: ptr<function, Surface>, kernel: u32, 
         (*p).surface_albedo = table_color(kernel + OWN_ALBEDO);
         length = table_color(kernel + OWN_LENGTH);
     }
+    (*met).length = resolved(kernel, (*p).surface_albedo, length, (*met).offset);
+}
+
+// Lengths, 0 in channels half of whose light leaves too near its entry for positions to tell it.
+fn resolved(kernel: u32, surface_albedo: vec3f, stated: vec3f, offset: f32) -> vec3f {
+    var length = vec3f(0.0);
     for (var c = 0u; c < 3u; c += 1u) {
-        let albedo = (*p).surface_albedo[c];
-        let median = median_radius(kernel, profile_row(kernel, albedo), albedo, length[c]);
-        (*met).length[c] = select(0.0, length[c], length[c] > 0.0 && median > (*met).offset);
+        let albedo = surface_albedo[c];
+        let median = median_radius(kernel, profile_row(kernel, albedo), albedo, stated[c]);
+        length[c] = select(0.0, stated[c], stated[c] > 0.0 && median > offset);
     }
+    return length;
 }
 
 fn unit(color: vec3f) -> vec3f {

@@ -7,12 +7,14 @@
 const SAME_PLACE = 1e-6;
 // |n · axis| below which a hit is left out: its density would be rounding noise.
 const GRAZING = 1e-6;
+// Profiles by which entries are found: the exit's, and where entries count the widest that there are; then that of a hit.
+const PROFILES = 9u;
 // Axes, and the number of none.
 const AXIS_COUNT = 3u;
 const NO_AXIS = 0xffffffffu;
 
 // Goes below the surface that the camera, or a path, sees.
-fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>) {
+fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, normal: vec3f) {
     (*path).work = PROBE_NEXT;
     (*path).hit_triangle = NO_TRIANGLE;
     var probe: Probe;
@@ -27,7 +29,11 @@ fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>) {
     slots[slot].probe = probe;
     slots[slot].walk.group = (*met).group;
     slots[slot].walk.material = (*met).material;
-    slots[slot].walk.side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+    slots[slot].walk.offset = (*met).offset;
+    let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
+    slots[slot].walk.side = side;
+    // No walk has it meanwhile
+    slots[slot].walk.direction = normal * side;
 }
 
 fn axis_of(frame: mat3x3f, axis: u32) -> vec3f {
@@ -35,29 +41,53 @@ fn axis_of(frame: mat3x3f, axis: u32) -> vec3f {
 }
 
 // A hit of a probe, or none: weighs it, and sets the next ray.
-fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u32) {
-    let scatters = (*probe).length > vec3f(0.0);
-    let albedo = select(vec3f(0.0), (*probe).surface_albedo, scatters);
-    var shares = albedo * (*path).throughput;
+fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, material: u32, offset: f32) {
+    let kernel = kernel_of(material);
+    let pairing = pairing_of(material);
+    let is_hit = (*path).hit_triangle != NO_TRIANGLE;
+    let exit = Below((*probe).surface_albedo, (*probe).length);
+    let scatters = exit.length > vec3f(0.0);
+    var brightest = exit.surface_albedo;
+    var widest = exit;
+    // Of the hit
+    var below = exit;
+    var proposals = 3u;
+    var profile_count = 3u;
+    if (pairing != 0u) {
+        brightest = brightest_pair(pairing, exit.surface_albedo);
+        widest = Below(table_color(pairing + WIDEST_ALBEDO), table_color(pairing + WIDEST_LENGTH));
+        proposals = 6u;
+        profile_count = select(6u, PROFILES, is_hit);
+        if (is_hit) {
+            below = pair_of(kernel, pairing, exit, material, offset, (*path).hit_triangle, (*path).hit);
+        }
+    }
+    var shares = select(vec3f(0.0), brightest, scatters) * (*path).throughput;
     let all = sum(shares);
     (*path).work = ENDED;
     if (!(all > 0.0 && all < NEVER)) {
         return;
     }
-    shares /= all;
+    shares /= all * f32(proposals / 3u);
     // Channels that do not scatter have the profile of the first that does
     let first = select(select(2u, 1u, scatters.y), 0u, scatters.x);
-    var profiles: array<Profile, 3>;
-    var within: array<vec2f, 3>;
-    for (var c = 0u; c < 3u; c += 1u) {
-        let from_channel = select(first, c, scatters[c]);
-        profiles[c] = profile_of(kernel, (*probe).surface_albedo[from_channel], (*probe).length[from_channel]);
-        within[c] = profile_at(profiles[c], profiles[c].longest).yz;
+    var profiles: array<Profile, PROFILES>;
+    var within: array<vec2f, PROFILES>;
+    for (var i = 0u; i < profile_count; i += 1u) {
+        var parameters = below;
+        if (i < 3u) {
+            parameters = exit;
+        } else if (i < 6u) {
+            parameters = widest;
+        }
+        let c = select(first, i % 3u, scatters[i % 3u]);
+        profiles[i] = profile_of(kernel, parameters.surface_albedo[c], parameters.length[c]);
+        within[i] = profile_at(profiles[i], profiles[i].longest).yz;
     }
     let axes = table_color(kernel + AXES);
     let frame = frame_of((*probe).normal);
-    if ((*path).hit_triangle == NO_TRIANGLE) {
-        next_probe(path, probe, &profiles, &within, shares, axes, frame);
+    if (!is_hit) {
+        next_probe(path, probe, &profiles, &within, proposals, shares, axes, frame);
         return;
     }
 
@@ -77,25 +107,26 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u3
     }
     let b = (*path).hit;
     let position = triangle.a * (1.0 - b.x - b.y) + triangle.b * b.x + triangle.c * b.y;
-    let offset = to_local(frame, position - (*probe).exit);
+    let passage = to_local(frame, position - (*probe).exit);
     let cosines = axes * abs(to_local(frame, normal));
-    let distance = length(offset);
-    let squares = offset * offset;
+    let distance = length(passage);
+    let squares = passage * passage;
     let projected = max(sqrt(squares.yzx + squares.zxy), vec3f(distance * 1e-6));
     let radii = vec4f(projected, distance);
     var density = 0.0;
     var value = vec3f(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         var densities = vec3f(0.0);
-        for (var c = 0u; c < 3u; c += 1u) {
-            if (distance <= profiles[c].longest) {
-                densities[c] = profile_at(profiles[c], radii[k]).x / min(within[c].x + within[c].y, 1.0);
+        let is_value = k == 3u;
+        for (var i = select(0u, profile_count - 3u, is_value); i < select(proposals, profile_count, is_value); i += 1u) {
+            if (distance <= profiles[i].longest) {
+                densities[i % 3u] += profile_at(profiles[i], radii[k]).x / min(within[i].x + within[i].y, 1.0);
             }
         }
         if (k < 3u) {
             density += cosines[k] * select(1.0, distance / radii[k], distance > 0.0) * dot(shares, densities);
         } else {
-            value = albedo * densities;
+            value = select(vec3f(0.0), below.surface_albedo * densities, below.length > vec3f(0.0));
         }
     }
     if (!(density > 0.0)) {
@@ -115,6 +146,9 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u3
     if ((*probe).goal < 0.0) {
         (*path).throughput *= weight * ((*probe).sum / importance);
         (*path).work = PROBE_END;
+        // By which light enters there
+        (*probe).surface_albedo = below.surface_albedo;
+        (*probe).length = below.length;
     }
 }
 
@@ -122,8 +156,9 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, kernel: u3
 fn next_probe(
     path: ptr<function, Path>,
     probe: ptr<function, Probe>,
-    profiles: ptr<function, array<Profile, 3>>,
-    within: ptr<function, array<vec2f, 3>>,
+    profiles: ptr<function, array<Profile, PROFILES>>,
+    within: ptr<function, array<vec2f, PROFILES>>,
+    proposals: u32,
     shares: vec3f,
     axes: vec3f,
     frame: mat3x3f,
@@ -144,16 +179,19 @@ fn next_probe(
         let u = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) + axis);
         (*probe).pick = u.w;
         if (u.x < axes[axis]) {
-            var place = u.x / axes[axis];
-            var c = 2u;
-            if (place < shares.x) {
-                c = 0u;
-            } else if (place - shares.x < shares.y) {
-                c = 1u;
-            } else if (shares.z <= 0.0) {
-                c = select(0u, 1u, shares.y > 0.0);
+            var rest = u.x / axes[axis];
+            var chosen = 0u;
+            for (var i = 0u; i < proposals; i += 1u) {
+                let share = shares[i % 3u];
+                if (share > 0.0) {
+                    chosen = i;
+                    if (rest < share) {
+                        break;
+                    }
+                    rest -= share;
+                }
             }
-            if (set_segment(path, probe, (*profiles)[c], (*within)[c], u.yz, axis, frame)) {
+            if (set_segment(path, probe, (*profiles)[chosen], (*within)[chosen], u.yz, axis, frame)) {
                 return;
             }
         }
@@ -191,12 +229,20 @@ fn set_segment(
     return start < end;
 }
 
-// Factor on light that enters from a direction: the profile of oblique light over the radial one, by which entry points are
-// found. Terms are those that exports have.
-fn directional_weight(probe: ptr<function, Probe>, met: ptr<function, Met>, normal: vec3f, kernel: u32, toward: vec3f) -> vec3f {
+// Factor on light that enters from a direction: the profile of oblique light, or the directional dipole, over the radial one,
+// by which entry points are found. Terms and formulas are those of exports.
+fn directional_weight(
+    probe: ptr<function, Probe>,
+    met: ptr<function, Met>,
+    normal: vec3f,
+    exit_normal: vec3f,
+    kernel: u32,
+    toward: vec3f,
+) -> vec3f {
     if (tables[kernel + DIRECTIONS] == 0.0) {
         return vec3f(1.0);
     }
+    let is_dipole = tables[kernel + DIRECTIONS] == DIPOLE;
     oblique_means = table_color(kernel + OBLIQUE_MEANS);
     oblique_is_searchlight = tables[kernel + IS_SEARCHLIGHT] > 0.0;
     let cos_outside = min(dot(toward, normal), 1.0);
@@ -219,6 +265,13 @@ fn directional_weight(probe: ptr<function, Probe>, met: ptr<function, Met>, norm
             continue;
         }
         let radial = albedo * profile_at(profile_of(kernel, albedo, mfp), r).x;
+        if (is_dipole) {
+            let value = dipole_density(kernel, albedo, mfp, offset, toward, normal, exit_normal);
+            if (radial > 0.0 && value < NEVER * radial) {
+                factor[c] = value / radial;
+            }
+            continue;
+        }
         if (tables[kernel + IS_DMFP] > 0.0) {
             mfp = refined_mfp_from_dmfp(min(albedo, 0.9999999), mfp);
         }

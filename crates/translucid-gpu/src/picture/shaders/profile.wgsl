@@ -2,7 +2,7 @@
 // there, behind what a kernel states of itself.
 
 // Places of a kernel's words.
-const DIRECTIONS = 0u;      // 0: all directions are alike, 1: oblique
+const DIRECTIONS = 0u;      // 0: all directions are alike, 1: oblique, 2: the directional dipole
 const IS_SEARCHLIGHT = 1u;
 const IS_DMFP = 2u;
 const OBLIQUE_MEANS = 3u;
@@ -14,6 +14,8 @@ const OWN_LENGTH = 12u;
 const AXES = 15u;
 const ROW_COUNT = 18u;
 const ROWS_OF_ALBEDO = 19u;
+
+const DIPOLE = 2.0;
 
 // Words of a row, of a table's head, of an octave and of a cell.
 const ROW_WORDS = 9u;

@@ -58,6 +58,7 @@ const SHADOWS_LOOK = 21u;
 const DIAGONAL = 22u;
 const INSTANCES = 23u;
 const TANGENTS = 24u;
+const SHAPES = 25u;
 
 fn head(place: u32) -> u32 {
     return u32(tables[place]);

@@ -195,6 +195,10 @@ fn scatter_at_surface(
             p = surface_without_diffuse(p);
         }
     }
+    let pairing = pairing_of((*met).material);
+    if (pairing != 0u && dot(incoming, normal) < 0.0) {
+        p = brightened(p, pairing);
+    }
     var bsdf = bsdf_new(p, to_local(frame, -incoming));
     if (((*path).flags & IS_FIRST) != 0u) {
         (*path).flags &= ~IS_FIRST;
@@ -225,7 +229,7 @@ fn scatter_at_surface(
     if (chosen.kind == BELOW) {
         (*path).throughput *= chosen.weight;
         if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
-            begin_probes(slot, path, met);
+            begin_probes(slot, path, met, normal);
         } else {
             begin_walk(slot, path, met, normal);
         }

@@ -380,7 +380,7 @@ fn scatter_at_matte_end(
         }
         var weight = entry_weight((*met).surface, min(cosine, 1.0));
         if (is_probed) {
-            weight *= directional_weight(probe, met, normal, kernel_of((*walk).material), direction);
+            weight *= directional_weight(probe, met, normal, (*walk).direction, kernel_of((*walk).material), direction);
         }
         let density = cosine * INVERSE_PI;
         if (k == 0u) {

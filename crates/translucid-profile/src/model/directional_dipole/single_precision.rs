@@ -119,6 +119,20 @@ impl DirectionalDipoleTable {
         }
     }
 
+    /// The table for a shader: first six words, 0, 1 for a diffuse mean free path, C_φ, C_E, A of the boundary, η; then the others,
+    /// g and for each interval of √A the cubics of √(1 − α') and α'/A.
+    #[doc(hidden)]
+    pub fn words(&self) -> ([f32; 6], Vec<f32>) {
+        let DiffusionBoundary { fluence, flux, mismatch } = self.boundary;
+        let is_dmfp = f64::from(u8::from(self.parameterization == Parameterization::Dmfp));
+        let first = [0.0, is_dmfp, fluence, flux, mismatch, self.eta];
+        let cubics = self.cubics.iter().flatten().flatten();
+        (
+            first.map(|word| word as f32),
+            std::iter::once(&self.g).chain(cubics).map(|word| *word as f32).collect(),
+        )
+    }
+
     /// √(1 − α') and α'/A.
     #[inline]
     fn at_albedo(&self, surface_albedo: f64) -> [f64; 2] {

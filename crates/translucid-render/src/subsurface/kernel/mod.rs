@@ -100,17 +100,20 @@ impl SubsurfaceKernel {
         self.has_any_shape.then(|| self.radial.surface_albedos())
     }
 
-    /// The kernel for a device: whether directions count, six words of those, the brightest surface albedo of their shape,
-    /// whether surface albedos and lengths are its own, and these; three words of `axes`, then the number of rows and the
-    /// [words](AlbedoTableF32::words) of the profile, cut so that no more than `tail` of its energy is outside.
-    ///
-    /// `None` for the directional dipole, which devices lack.
-    pub(crate) fn words(&self, tail: f32, axes: [f32; 3]) -> Option<Vec<f32>> {
-        let mut words = match &self.angular {
-            Angular::Nothing => vec![0.0; 7],
-            Angular::Oblique(table) => [&[1.0][..], &table.words()].concat(),
-            Angular::Dipole(_) => return None,
+    /// The kernel for a device: 1 for oblique light, 2 for the directional dipole, 0 where directions do not count, six words of
+    /// those, the brightest surface albedo of their shape, whether surface albedos and lengths are its own, and these; three words
+    /// of `axes`, then the number of rows and the [words](AlbedoTableF32::words) of the profile, cut so that no more than `tail` of
+    /// its energy is outside. The dipole's own table comes last, and the first of its six words states where.
+    pub(crate) fn words(&self, tail: f32, axes: [f32; 3]) -> Vec<f32> {
+        let (kind, six, table) = match &self.angular {
+            Angular::Nothing => (0.0, [0.0; 6], Vec::new()),
+            Angular::Oblique(table) => (1.0, table.words(), Vec::new()),
+            Angular::Dipole(table) => {
+                let (six, table) = table.words();
+                (2.0, six, table)
+            }
         };
+        let mut words = [&[kind], &six[..]].concat();
         let nothing = Subsurface { surface_albedo: Vec3::ZERO, length: Vec3::ZERO };
         let own = self.own.unwrap_or(nothing);
         words.extend([self.brightest, f32::from(u8::from(self.own.is_some()))]);
@@ -119,7 +122,11 @@ impl SubsurfaceKernel {
         words.extend(axes);
         words.push(self.radial.surface_albedos().len() as f32);
         words.extend(self.radial.words(tail));
-        Some(words)
+        if !table.is_empty() {
+            words[1] = words.len() as f32;
+            words.extend(table);
+        }
+        words
     }
 
     /// The directional part of an exit point's parameters.

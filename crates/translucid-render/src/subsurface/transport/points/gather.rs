@@ -82,17 +82,17 @@ pub(crate) struct Gathered {
 
 /// Points made ready for sums.
 pub(crate) struct Gatherer {
-    tolerance: f64,
+    pub(super) tolerance: f64,
     /// Sorted by their numbers.
-    groups: Vec<PointGroup>,
+    pub(super) groups: Vec<PointGroup>,
     /// For each material its profile, if it has one.
-    profiles: Vec<Option<Arc<MaterialProfile>>>,
+    pub(super) profiles: Vec<Option<Arc<MaterialProfile>>>,
 }
 
 /// The points of a subsurface group.
-struct PointGroup {
-    number: u32,
-    tree: PointHierarchy,
+pub(super) struct PointGroup {
+    pub(super) number: u32,
+    pub(super) tree: PointHierarchy,
     /// Length of the tree's unit \[L\].
     spacing: f64,
     /// Exitance that need not be exact, for A = 1.
@@ -319,10 +319,10 @@ impl<'a> RunningSum<'a> {
 }
 
 /// The profile of materials that share a kernel as smooth tables.
-struct MaterialProfile {
+pub(crate) struct MaterialProfile {
     kernel: Arc<SubsurfaceKernel>,
     /// Rows by surface albedo.
-    rows: Vec<(f32, SmoothProfile)>,
+    pub(super) rows: Vec<(f32, SmoothProfile)>,
 }
 
 /// A channel's profile in the tree's units: a mixture of two rows.

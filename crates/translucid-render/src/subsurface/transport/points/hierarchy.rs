@@ -51,8 +51,8 @@ pub(super) struct PointCluster {
 pub(super) struct PointHierarchy {
     pub(super) nodes: Vec<PointCluster>,
     pub(super) points: Vec<TreePoint>,
-    origin: DVec3,
-    inverse_spacing: f64,
+    pub(super) origin: DVec3,
+    pub(super) inverse_spacing: f64,
 }
 
 /// Puts points in the order of the tree.

@@ -10,6 +10,7 @@
 //! smooth_profile.rs  profiles as smooth tables with bounds of their curvature
 //! hierarchy.rs       clusters of points: their light and its moments
 //! gather.rs          the sum at a point that light leaves, refined until its error bound is small enough
+//! words.rs           the same for devices
 //! ```
 //!
 //! One number, `point_tolerance`, drives all: the error of each step is about in proportion to it.
@@ -23,6 +24,7 @@ mod patches;
 mod plan;
 mod smooth_profile;
 mod surfels;
+mod words;
 
 pub(crate) use cloud::{CloudGroup, PointSettings, serve};
 pub use cloud::{PointCloud, PointPass, PointProgress};

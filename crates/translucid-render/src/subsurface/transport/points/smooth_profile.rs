@@ -32,9 +32,9 @@ pub(crate) struct SmoothProfile {
     /// Length of the unit, for a profile of length 1.
     scale: f32,
     /// Per cell the polynomial in θ ∈ [0, 1).
-    cells: Vec<[f32; 4]>,
+    pub(super) cells: Vec<[f32; 4]>,
     /// Per cell: no greater is max(|p''|, |p'|/r) from its start on.
-    curvature: Vec<f32>,
+    pub(super) curvature: Vec<f32>,
 }
 
 /// Value and derivatives at a radius.
