@@ -1,4 +1,4 @@
-//! `translucid devices`: who can walk photons, a line each.
+//! `translucid devices`: who can trace paths and walk photons, a line each.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use crate::table::print;
 pub(crate) fn run() -> Result<(), Failure> {
     let mut text = format!("cpu: {} threads\n", rayon::current_num_threads());
     let found = devices().unwrap_or_else(|reason| {
-        messages::line(&reason);
+        messages::print_note(&reason);
         Vec::new()
     });
     for device in &found {

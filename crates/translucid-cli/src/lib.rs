@@ -82,7 +82,7 @@ enum Verb {
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
-    /// Lists the processors that can walk photons for `reference --device`
+    /// Lists who can trace paths for `render` and walk photons for `reference`, by `--device`
     Devices,
     Completions(completions::CompletionsArguments),
 }

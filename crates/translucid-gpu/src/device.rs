@@ -10,7 +10,7 @@ use crate::description::DeviceDescription;
 use crate::law::Law;
 
 /// The shaders, in the order in which they read best.
-const SHADERS: [&str; 8] = [
+pub(crate) const SHADERS: [&str; 8] = [
     include_str!("shaders/walk.wgsl"),
     include_str!("shaders/source.wgsl"),
     include_str!("shaders/boundary.wgsl"),
@@ -83,8 +83,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens a device by what the user calls it: `gpu` for the best graphics processor, else a part of a name,
-    /// in any case of letters. Only by its name is a device taken that is no graphics processor.
+    /// Opens a device by what the user calls it: `gpu` for the best graphics processor that can be used, else a part of a
+    /// name, in any case of letters. Only by its name is a device taken that is no graphics processor.
     ///
     /// # Errors
     /// There is no such device, or it cannot be used; the message says what there is.
@@ -102,11 +102,20 @@ impl Gpu {
             "gpu" => rank(adapter) < 4,
             part => adapter.get_info().name.to_lowercase().contains(part),
         };
-        let Some(adapter) = adapters.iter().filter(is_meant).min_by_key(rank) else {
-            return Err(none_found(name, &adapters));
-        };
-        Self::of(adapter)
-            .map_err(|reason| format!("the device {} cannot be used: {reason}", adapter.get_info().name))
+        let mut meant: Vec<&wgpu::Adapter> = adapters.iter().filter(is_meant).collect();
+        meant.sort_by_key(rank);
+        // A system may know a processor twice, by two of its interfaces, of which one may be broken
+        let mut fault = None;
+        for adapter in meant {
+            match Self::of(adapter) {
+                Ok(opened) => return Ok(opened),
+                Err(reason) => {
+                    let name = adapter.get_info().name;
+                    fault.get_or_insert(format!("the device {name} cannot be used: {reason}"));
+                }
+            }
+        }
+        Err(fault.unwrap_or_else(|| none_found(name, &adapters)))
     }
 
     fn of(adapter: &wgpu::Adapter) -> Result<Self, String> {

@@ -25,6 +25,8 @@ fn the_processor_is_the_default() {
 #[test]
 fn a_build_without_devices_says_so() {
     let folder = tempfile::tempdir().unwrap();
+    let listed = run(folder.path(), "devices");
+    assert!(stderr(&listed).starts_with("note: this build"), "{}", stderr(&listed));
     let message = refused(folder.path(), &format!("{WALK} --device gpu"));
     assert!(message.contains("this build of translucid knows no graphics processors"), "{message}");
     let walked = run(folder.path(), &format!("{WALK} --device auto"));
