@@ -185,14 +185,20 @@ fn slabs_in_even_light_are_exact_layers() {
     }
 }
 
-/// A distant light shines through a slab onto a floor: light samples pass it straight, and come to collisions in it.
+/// A distant light shines through a slab onto a floor: light samples pass it straight, and come to collisions in it, if any.
 ///
-/// 6 comparisons as above: one false alarm in 20,000 seeds.
+/// 9 comparisons as above: one false alarm in 15,000 seeds.
 #[test]
 fn slabs_let_through_what_exact_layers_do() {
-    let material = layered(WalkSurface::Clear, skin(0.3));
-    for cosine in [1.0_f32, 0.5] {
-        let exact = exact(&material, 2.2, Incidence::Pencil { cos_theta: cosine.into() });
+    let scattering = layered(WalkSurface::Clear, skin(0.3));
+    let dark = [([6.0, 3.0, 1.0], 0.15), ([1.0, 0.2, 2.0], 0.5), ([0.1, 0.0, 0.5], 0.2)];
+    let dark = dark.map(|(absorption, thickness)| layer(thickness, [0.0; 3], absorption, 0.0));
+    let absorbing = Material {
+        subsurface_color: ColorInput::constant(Vec3::ZERO),
+        ..layered(WalkSurface::Clear, dark.to_vec())
+    };
+    for (material, cosine) in [(&absorbing, 0.8_f32), (&scattering, 1.0), (&scattering, 0.5)] {
+        let exact = exact(material, 2.2, Incidence::Pencil { cos_theta: cosine.into() });
         let mut scene = slab(material.clone(), 2.2);
         scene.camera.position.z = -4.0;
         scene.camera.target.z = -6.0;
@@ -210,7 +216,7 @@ fn slabs_let_through_what_exact_layers_do() {
         let direction = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         scene.lights.push(Light::Distant { direction, angular_radius: 0.0, irradiance: Vec3::ONE });
         let to_floor = std::f64::consts::PI * 1e3;
-        let found = means(&scene, power(128)).map(|(mean, error)| (mean * to_floor, error * to_floor));
+        let found = means(&scene, power(64)).map(|(mean, error)| (mean * to_floor, error * to_floor));
         let expected = exact.map(|totals| {
             (totals.collimated_transmittance + totals.diffuse_transmittance) * f64::from(cosine)
         });
@@ -254,7 +260,7 @@ fn walks_behind_matte_surfaces_are_those_of_the_processor() {
         let found = both(&bodies(material, true), 4);
         let share = differing(&found, 1e-3);
         println!("{}: {share} of the pixels differ", surface.name_of_walk());
-        assert!(share <= 0.25, "{}: {share} of the pixels differ", surface.name_of_walk());
+        assert!(share <= 0.1, "{}: {share} of the pixels differ", surface.name_of_walk());
     }
 }
 
@@ -283,7 +289,7 @@ fn walks_between_clear_surfaces_have_the_light_of_the_processor() {
             let error = pairs().map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt() / light;
             println!("{name}, channel {c}: {off:.5} ± {error:.5} of the light");
             assert!(
-                error < bound(7e-3) && off.abs() <= ERRORS * error + 1e-3,
+                error < bound(0.015) && off.abs() <= ERRORS * error + 1e-3,
                 "{name}, channel {c}: {off} ± {error}"
             );
         }
