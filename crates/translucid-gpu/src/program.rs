@@ -16,6 +16,7 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/camera.wgsl"),
     include_str!("picture/shaders/surface_step.wgsl"),
     include_str!("picture/shaders/walk_step.wgsl"),
+    include_str!("picture/shaders/layers.wgsl"),
     include_str!("picture/shaders/probe_step.wgsl"),
     include_str!("picture/shaders/pairing.wgsl"),
     include_str!("picture/shaders/normalization.wgsl"),
@@ -27,6 +28,7 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/material.wgsl"),
     include_str!("picture/shaders/point.wgsl"),
     include_str!("picture/shaders/ray.wgsl"),
+    include_str!("picture/shaders/depth.wgsl"),
     include_str!("picture/shaders/instance.wgsl"),
     include_str!("picture/shaders/sampler.wgsl"),
     include_str!("picture/shaders/surface.wgsl"),
@@ -58,10 +60,11 @@ pub fn text() -> String {
 }
 
 /// The kernels of a round, and how many slots one invocation each they need.
-pub const KERNELS: [(&str, u32); 9] = [
+pub const KERNELS: [(&str, u32); 10] = [
     ("begin_samples", 1),
     ("trace", 2),
     ("end_flights", 1),
+    ("find_depths", 2),
     ("weigh_probes", 1),
     ("look", 2),
     ("pass_on", 1),
@@ -72,9 +75,9 @@ pub const KERNELS: [(&str, u32); 9] = [
 /// Bytes of a slot: `Slot` in `shaders/state.wgsl`.
 pub const SLOT_BYTES: u64 = 1088;
 /// Counters before the lists of slots.
-pub const COUNTERS: u64 = 10;
+pub const COUNTERS: u64 = 12;
 /// Numbers of the counters that count the lists' slots.
-pub const LIST_COUNTERS: Range<u64> = 2..10;
+pub const LIST_COUNTERS: Range<u64> = 2..12;
 /// Words of a sample.
 pub const SAMPLE_WORDS: usize = 20;
 /// Paths under way at a time: nearly as many as the threads of the largest processors of 2025, whose states are within

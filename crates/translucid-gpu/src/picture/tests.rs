@@ -6,9 +6,9 @@ use glam::{Affine2, Vec2, Vec3};
 use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
-    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, LayerMedium, Light,
-    Material, Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceLayer,
-    SubsurfaceModel, TextureRef, WalkSurface, Wrap,
+    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material,
+    Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel,
+    TextureRef, WalkSurface, Wrap,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 use wgpu::naga;
@@ -378,10 +378,13 @@ pub(super) fn refusal(scene: Scene) -> String {
 
 #[test]
 fn scenes_that_devices_lack_something_for_are_refused_by_name() {
-    let medium = LayerMedium::Coefficients { scattering: Vec3::ONE, absorption: Vec3::ONE };
-    let layers = vec![SubsurfaceLayer { thickness: 0.1, medium, g: 0.0 }];
-    let error = refusal(scene(Material { layers, ..wax(WalkSurface::Clear) }, matte()));
-    assert!(error.contains("material wax has layers, which devices lack"), "{error}");
+    let mut scene = scene(wax(WalkSurface::Clear), matte());
+    scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+    let error = refusal(scene);
+    assert!(
+        error.contains("integrator.subsurface_method is not \"ray-traced\", which devices lack"),
+        "{error}"
+    );
 }
 
 /// Light without size is not found below a refracting boundary, where no light sample comes; light of any size is.

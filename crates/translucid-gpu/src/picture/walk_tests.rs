@@ -130,7 +130,7 @@ fn late_numbers_are_split_mix() {
     let evaluation = Evaluation {
         shaders: &[SETTINGS, include_str!("shaders/sampler.wgsl")],
         body: "let low = hash_combine(hash_combine(u32(inputs[i]), u32(inputs[i + 1])), u32(inputs[i + 2]));
-            let u = independent(Sampler(u32(inputs[i]), u32(inputs[i + 2])), u32(inputs[i + 1]), u32(inputs[i + 3]));
+            let u = independent(Sampler(u32(inputs[i]), u32(inputs[i + 2])), u32(inputs[i + 1]), 2u * u32(inputs[i + 3]));
             for (var k = 0u; k < 4u; k += 1u) { outputs[o + k] = u[k]; }
             outputs[o + 4] = bitcast<f32>(low); outputs[o + 5] = bitcast<f32>(hash_combine(low ^ 0x5bd1e995u, u32(inputs[i + 2])));",
         tables: &[0.0],

@@ -58,16 +58,16 @@ pub(super) struct Sharing<'a> {
 }
 
 impl<'a> Sharing<'a> {
-    /// Objects share what they share on the processor, or whatever they can where memory is `tight`; not those that emit,
-    /// whose triangles are lights in the world.
-    pub(super) fn new(scene: &'a Scene, is_tight: bool, emits: impl Fn(u32) -> bool) -> Self {
+    /// Objects share what they share on the processor, or whatever they can where memory is `tight`; not those that `stay` in
+    /// the world: they emit, so that their triangles are lights, or distances to their triangles are asked for.
+    pub(super) fn new(scene: &'a Scene, is_tight: bool, stay: impl Fn(u32) -> bool) -> Self {
         let should_share = |mesh: &Mesh, uses| is_tight || mesh.is_worth_sharing(uses);
         let sharing = MeshSharing::new(&scene.objects, should_share);
         let mut new = Self::default();
         let mut known: HashMap<u32, (usize, (Vec3, Vec3))> = HashMap::new();
         for (index, object) in (0..).zip(&scene.objects) {
             let shared = sharing.mesh_of(index as usize);
-            match shared.filter(|_| !object.mesh.triangles.is_empty() && !emits(index)) {
+            match shared.filter(|_| !object.mesh.triangles.is_empty() && !stay(index)) {
                 None => new.apart.push(index),
                 Some(number) => {
                     let (mesh, bounds) = *known.entry(number).or_insert_with(|| {

@@ -32,7 +32,8 @@ pub(super) struct Materials<'a> {
     pub(super) textures: Vec<f32>,
     /// Media, kernels and smooth profiles, with the place of their tables.
     known: Vec<(*const (), usize)>,
-    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1; of what else is below a surface its words.
+    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1, then its shells; of what else is below
+    /// a surface its words.
     pub(super) medium_tables: Vec<f32>,
 }
 
@@ -62,7 +63,6 @@ impl<'a> Materials<'a> {
         };
         let below = match transports.of(index) {
             SubsurfaceTransport::Lambertian => [0.0; 6],
-            SubsurfaceTransport::Walk(walks) if walks.medium.has_shells() => return lacks("layers"),
             SubsurfaceTransport::Walk(walks)
                 if walks.medium.surface == WalkSurface::Clear
                     && walks.medium.eta > 1.0
@@ -211,7 +211,7 @@ fn medium_tables(medium: &WalkMedium) -> Vec<f32> {
     // Nearly linear in A, where α itself is not
     let root = |i| (1.0 - medium.single_scattering_albedo(albedo(i)).x).max(0.0).sqrt();
     let length = |i| medium.resolved(albedo(i), Vec3::ONE, 0.0).x;
-    (0..=ALBEDOS).map(root).chain((0..=ALBEDOS).map(length)).collect()
+    (0..=ALBEDOS).map(root).chain((0..=ALBEDOS).map(length)).chain(medium.shell_words()).collect()
 }
 
 /// Returns `true` if no path meets a light by chance.

@@ -1,5 +1,7 @@
 //! A prepared scene as words.
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 use sobol_burley::parts::sobol_rev;
 use translucid_scene::{SceneError, SubsurfaceMethod};
@@ -110,7 +112,13 @@ impl DeviceScene {
         let geometry = &world.geometry;
         let light_of = |object, triangle| lights.triangle(geometry.primitive(object, triangle));
         let emits = |object| lights.are_in(geometry.primitive(object, 0)..geometry.primitive(object + 1, 0));
-        let triangles = Triangles::new(scene, limits, emits, light_of)?;
+        let has_layers =
+            |index: usize| transports.of(index).medium().is_some_and(|medium| medium.has_shells());
+        let layered = scene.objects.iter().filter(|object| has_layers(object.material));
+        let groups: HashSet<u32> = layered.map(|object| object.subsurface_group).collect();
+        let stays =
+            |object| emits(object) || groups.contains(&scene.objects[object as usize].subsurface_group);
+        let triangles = Triangles::new(scene, limits, stays, light_of)?;
         for (place, material, light) in triangles.lights() {
             if has_varied_emission(&scene.materials[material]) {
                 lights.look_up(light, place);

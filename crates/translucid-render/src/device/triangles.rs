@@ -81,14 +81,15 @@ pub(super) struct Triangles {
 impl Triangles {
     /// The triangles of all objects in their places.
     ///
-    /// `emits` says whether an object has lights, and `light_of` gives the number of a triangle of it among the lights.
+    /// `stays` says whether an object is in the world in any case, and `light_of` gives the number of a triangle of it among the
+    /// lights.
     pub(super) fn new(
         scene: &Scene,
         limits: &DeviceLimits,
-        emits: impl Fn(u32) -> bool,
+        stays: impl Fn(u32) -> bool,
         light_of: impl Fn(u32, u32) -> Option<u32>,
     ) -> Result<Self, SceneError> {
-        let (sharing, layout, [stored, words]) = sorted(scene, limits, emits)?;
+        let (sharing, layout, [stored, words]) = sorted(scene, limits, stays)?;
         let Sharing { apart, instances, meshes } = sharing;
         let of = |&object: &u32| {
             let triangles = scene.objects[object as usize].mesh.triangles.len() as u32;
@@ -211,12 +212,12 @@ impl Triangles {
 fn sorted<'a>(
     scene: &'a Scene,
     limits: &DeviceLimits,
-    emits: impl Fn(u32) -> bool,
+    stays: impl Fn(u32) -> bool,
 ) -> Result<(Sharing<'a>, AttributeLayout, [usize; 2]), SceneError> {
     let all: u64 = scene.objects.iter().map(|object| object.mesh.triangles.len() as u64).sum();
     DeviceLimits { array_bytes: u32::MAX.into() }.check("triangles in all places", all, 1)?;
     let is_tight = all > limits.array_bytes / (4 * AttributeLayout::new(scene, &[]).most_words());
-    let sharing = Sharing::new(scene, is_tight, emits);
+    let sharing = Sharing::new(scene, is_tight, stays);
     let layout = AttributeLayout::new(scene, &sharing.meshes);
     let in_world = sharing.apart.iter().map(|&object| scene.objects[object as usize].mesh.triangles.len());
     let stored: usize = in_world.chain(sharing.meshes.iter().map(|mesh| mesh.triangles.len())).sum();

@@ -90,6 +90,11 @@ impl WalkMedium {
         !self.shells.is_empty()
     }
 
+    /// The media of the shells as words for devices.
+    pub(crate) fn shell_words(&self) -> Vec<f32> {
+        self.shells.words()
+    }
+
     /// The shells of a body of this medium at a point of its surface, if there are any; `objects` are those of the scene.
     pub(crate) fn shells<'a>(
         &'a self,

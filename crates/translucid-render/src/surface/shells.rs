@@ -16,6 +16,9 @@ const ROULETTE_BELOW: f32 = 0.1;
 /// What may come straight through the densest layer: at the rim of a body the way through it is short.
 const LEAST_STRAIGHT: f32 = 0.1;
 
+/// Greatest depth and extinction coefficient in words.
+const MOST_WORD: f32 = 1e29;
+
 /// A medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShellMedium {
@@ -72,6 +75,20 @@ impl ShellMedia {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.shells.is_empty()
+    }
+
+    /// The media as words: how many, [surface albedos](Self::brightest), then of each the depth at which it ends, extinction
+    /// coefficients, single-scattering albedos and the mean cosine.
+    pub(super) fn words(&self) -> Vec<f32> {
+        let mut words = vec![self.shells.len() as f32];
+        words.extend(self.brightest.to_array());
+        for (end, ShellMedium { sigma_t, alpha, g }) in &self.shells {
+            words.push(end.min(MOST_WORD));
+            words.extend(sigma_t.min(Vec3::splat(MOST_WORD)).to_array());
+            words.extend(alpha.to_array());
+            words.push(*g);
+        }
+        words
     }
 
     /// Greatest extinction coefficients \[L⁻¹\].

@@ -15,7 +15,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-export", 2850),
     ("translucid-files", 200),
     ("translucid-fit", 1400),
-    ("translucid-gpu", 910),
+    ("translucid-gpu", 915),
     ("translucid-image", 800),
     ("translucid-laboratory", 7130),
     ("translucid-load", 12800),

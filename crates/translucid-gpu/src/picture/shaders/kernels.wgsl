@@ -4,6 +4,7 @@
 //   begin_samples   all slots → samples that are done are written, others begun; slots into lists
 //   trace           rays, flights, probes and light samples → what they meet
 //   end_flights     flights → a collision, the body's end, or on
+//   find_depths     ends of flights and light samples among layers → a collision, or on
 //   weigh_probes    hits of probes → the next hit, or the entry point
 //   look            what was met → the material's values there
 //   pass_on         light samples at surfaces and lights → further, there, or gone
@@ -50,7 +51,7 @@ fn begin_samples(@builtin(global_invocation_id) id: vec3u) {
         enqueue(SCATTERS, slot);
     }
     if (has_shadow && work != IDLE) {
-        enqueue(SHADOWS, slot);
+        enqueue(select(SHADOWS, SHADOW_DEPTHS, slots[slot].shadow.stage == SHELL_SHADOW), slot);
     }
 }
 
@@ -83,7 +84,8 @@ fn trace_path(slot: u32) {
         after = Along(slots[slot].probe.t, slots[slot].probe.triangle);
     }
     let groups = select(ONE_GROUP, EVERY_GROUP, work == FREE_RAY);
-    let hit = closest(origin, direction, after, way, groups, slots[slot].walk.group, false);
+    // Below a surface, that of what was met there
+    let hit = closest(origin, direction, after, way, groups, slots[slot].met.group, false);
     if (work == FREE_RAY) {
         slots[slot].path.work = FREE_HIT;
         enqueue(POINTS, slot);
@@ -131,6 +133,68 @@ fn end_flights(@builtin(global_invocation_id) id: vec3u) {
     if (path.work == WALK_END) {
         enqueue(POINTS, slot);
     }
+    if (path.work == WALK_DEPTH) {
+        enqueue(DEPTHS, slot);
+    }
+    if (path.work == COLLIDED) {
+        enqueue_scattering(slot, light.kind);
+    }
+    slots[slot].path = path;
+    slots[slot].walk = walk;
+    slots[slot].light = light;
+}
+
+@compute @workgroup_size(group_size)
+fn find_depths(@builtin(global_invocation_id) id: vec3u) {
+    let walks = atomicLoad(&queues[DEPTHS]);
+    let is_shadow = id.x >= walks;
+    var slot = 0u;
+    if (is_shadow) {
+        slot = dequeue(SHADOW_DEPTHS, id.x - walks);
+    } else {
+        slot = dequeue(DEPTHS, id.x);
+    }
+    if (slot >= settings.slots) {
+        return;
+    }
+    var walk = slots[slot].walk;
+    var shadow = slots[slot].shadow;
+    var shells: Shells;
+    var point = walk.start;
+    var group = slots[slot].met.group;
+    var depth = walk.depth;
+    var moved = walk.done;
+    var is_loss = false;
+    if (is_shadow) {
+        shells = shells_around(shadow.material, shadow.sigma_t, shadow.offset);
+        let before = shadow.done;
+        is_loss = step_in_shells(&shadow, &shells);
+        if (shadow.done >= shadow.length) {
+            var met = slots[slot].shadow_met;
+            shadow.stage = FREE_SHADOW;
+            weaken(&shadow, shadow.share);
+            if (shadow.stage != NO_SHADOW) {
+                leave_body(&shadow, &met, shadow.length);
+            }
+            slots[slot].shadow = shadow;
+            return;
+        }
+        point = shadow.origin + shadow.direction * shadow.done;
+        group = shadow.group;
+        depth = shadow.depth;
+        moved = shadow.done - before + shadow.offset;
+    } else {
+        shells = shells_around(walk.material, walk.sigma_t, walk.offset);
+    }
+    depth = depth_of(&shells, point, group, depth, moved);
+    if (is_shadow) {
+        lose_in_shells(&shadow, &shells, depth, is_loss);
+        slots[slot].shadow = shadow;
+        return;
+    }
+    var path = slots[slot].path;
+    var light = slots[slot].light;
+    end_flight_in_shells(&path, &walk, &light, &shells, depth);
     if (path.work == COLLIDED) {
         enqueue_scattering(slot, light.kind);
     }
@@ -158,7 +222,7 @@ fn weigh_probes(@builtin(global_invocation_id) id: vec3u) {
     let exit = Below(probe.surface_albedo, probe.length);
     probe_step(&path, &probe, material, slots[slot].walk.offset);
     if (path.work == PROBE_END) {
-        path.throughput *= shape_factor(material, slots[slot].walk.group, exit, probe.exit);
+        path.throughput *= shape_factor(material, slots[slot].met.group, exit, probe.exit);
         enqueue(POINTS, slot);
     }
     slots[slot].path = path;
@@ -242,7 +306,7 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
     var u: vec4f;
     if (work == COLLIDED) {
         var path = slots[slot].path;
-        u = walk_numbers(&path, true, 2u * slots[slot].walk.events - 1u);
+        u = walk_numbers(&path, true, 2u * slots[slot].walk.events - 1u, slots[slot].walk.draws);
     } else {
         let is_of_surface = work == AT_SURFACE || work == AT_CATCHER;
         let of_end = end_set(slots[slot].path.flags, material_at(slots[slot].walk.material));
@@ -314,7 +378,7 @@ fn scatter_paths(@builtin(global_invocation_id) id: vec3u) {
     } else {
         var walk = slots[slot].walk;
         if (path.work == COLLIDED) {
-            scatter_walk(&path, &walk, &light, &shadow);
+            scatter_walk(&path, &walk, &light, &shadow, slots[slot].met.group);
         } else {
             var met = slots[slot].met;
             var probe = slots[slot].probe;

@@ -209,7 +209,10 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     } else if (u32(tables[m + BELOW_KIND]) == WALK_BELOW) {
         let table = head(MEDIA) + u32(tables[m + MEDIUM]) + u32(ALBEDOS) + 1u;
         let length = stated * of_albedos(table, p.surface_albedo);
-        met.length = select(vec3f(0.0), length, length > vec3f(LEAST_OFFSETS_OF_MFP * point.offset));
+        let least = vec3f(LEAST_OFFSETS_OF_MFP * point.offset);
+        // Below shells there is no surface that light could leave where it enters
+        let unresolved = select(vec3f(0.0), least, tables[shell_words(point.material)] > 0.0);
+        met.length = select(unresolved, length, length > least);
     }
     p.subsurface_active = select(vec3f(0.0), vec3f(1.0), met.length > vec3f(0.0));
     if (is_thin) {

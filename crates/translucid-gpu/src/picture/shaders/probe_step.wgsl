@@ -27,7 +27,6 @@ fn begin_probes(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, n
     probe.triangle = NO_TRIANGLE;
     probe.goal = -1.0;
     slots[slot].probe = probe;
-    slots[slot].walk.group = (*met).group;
     slots[slot].walk.material = (*met).material;
     slots[slot].walk.offset = (*met).offset;
     let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);

@@ -42,14 +42,14 @@ fn stratified(sampler: Sampler, vertex: u32, number: u32) -> vec4f {
     return in_unit(reverseBits(scrambled));
 }
 
-// Four independent numbers in [0, 1): a set of those that are forked where a set is the next one.
-fn independent(sampler: Sampler, next: u32, number: u32) -> vec4f {
+// Four independent numbers in [0, 1), two of a word, behind so many words: of those that are forked where a set is the next one.
+fn independent(sampler: Sampler, next: u32, words: u32) -> vec4f {
     let low = hash_combine(hash_combine(sampler.seed, next), sampler.index);
     let start = vec2u(low, hash_combine(low ^ 0x5bd1e995u, sampler.index));
     let step = vec2u(0x7f4a7c15u, 0x9e3779b9u);
     var bits = vec4u(0u);
     for (var k = 0u; k < 2u; k += 1u) {
-        let word = mixed_64(sum_64(start, product_64(step, vec2u(2u * number + k + 1u, 0u))));
+        let word = mixed_64(sum_64(start, product_64(step, vec2u(words + k + 1u, 0u))));
         bits = select(vec4u(bits.xy, word), vec4u(word, 0u, 0u), k == 0u);
     }
     return vec4f(bits & vec4u(0xffffffu)) * (1.0 / 16777216.0);

@@ -56,7 +56,7 @@ fn shadow_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>
     if ((*shadow).stage == FREE_SHADOW) {
         free_step(slot, shadow, met);
     } else {
-        body_step(shadow, met);
+        body_step(slot, shadow, met);
     }
 }
 
@@ -140,16 +140,20 @@ fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32,
     (*shadow).share = vec3f(0.0);
     (*shadow).nesting = 1u;
     (*shadow).group = (*met).group;
+    (*shadow).material = (*met).material;
+    (*shadow).depth = 0.0;
     (*shadow).side = side;
     (*shadow).offset = (*met).offset;
     (*shadow).done = 0.0;
     // Beyond, the last channel is dark
-    (*shadow).length = min(rest, 14.0 * greatest((*met).length));
+    let shells = shells_around((*met).material, (*shadow).sigma_t, (*met).offset);
+    let least = min(shells.least.x, min(shells.least.y, shells.least.z));
+    (*shadow).length = min(rest, 14.0 / max(least, 14.0 / NEVER));
     (*shadow).light_distance = rest;
 }
 
 // A flight's surface, or nothing, as `flight_step` has it.
-fn body_step(shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
+fn body_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
     if ((*shadow).hit_triangle == NO_TRIANGLE) {
         (*shadow).stage = NO_SHADOW;
         return;
@@ -163,7 +167,7 @@ fn body_step(shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
             (*shadow).stage = NO_SHADOW;
             return;
         }
-        leave_with_light(shadow, met, distance);
+        leave_with_light(slot, shadow, met, distance);
         return;
     }
     if (distance > (*shadow).length || (*shadow).passes >= MOST_PASSES) {
@@ -174,8 +178,9 @@ fn body_step(shadow: ptr<function, Shadow>, met: ptr<function, Met>) {
     (*shadow).done = distance + (*shadow).offset;
 }
 
-fn leave_with_light(shadow: ptr<function, Shadow>, met: ptr<function, Met>, distance: f32) {
-    let sigma = (*shadow).sigma_t;
+fn leave_with_light(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>, distance: f32) {
+    let shells = shells_around((*shadow).material, (*shadow).sigma_t, (*shadow).offset);
+    let sigma = shells.least;
     var attenuation = exp(-min(sigma * distance, vec3f(80.0)));
     attenuation = select(attenuation, vec3f(0.0), sigma * distance > vec3f(80.0));
     let drawn = (*shadow).share;
@@ -184,12 +189,21 @@ fn leave_with_light(shadow: ptr<function, Shadow>, met: ptr<function, Met>, dist
         let chance = dot(drawn, exp(-min(0.5 * sigma * distance, vec3f(80.0))));
         attenuation /= max(chance, 1e-30);
     }
-    let direction = (*shadow).direction;
-    weaken(shadow, attenuation * entering(met, direction, (*shadow).side));
-    if ((*shadow).stage != NO_SHADOW) {
-        let rest = select((*shadow).light_distance - distance, NEVER, (*shadow).light_distance >= NEVER);
-        send(shadow, met, direction, rest);
+    weaken(shadow, attenuation * entering(met, (*shadow).direction, (*shadow).side));
+    if ((*shadow).stage == NO_SHADOW) {
+        return;
     }
+    if (greatest(shells.most - shells.least) > 0.0) {
+        enter_shells(slot, shadow, distance);
+    } else {
+        leave_body(shadow, met, distance);
+    }
+}
+
+// Goes on outside, where it has left a body after a distance.
+fn leave_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, distance: f32) {
+    let rest = select((*shadow).light_distance - distance, NEVER, (*shadow).light_distance >= NEVER);
+    send(shadow, met, (*shadow).direction, rest);
 }
 
 // Factor of a surface on a radiance that enters from a direction.

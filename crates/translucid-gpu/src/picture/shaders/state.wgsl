@@ -15,6 +15,7 @@ const PROBE_NEXT = 10u; // the next probe for an entry point to be drawn
 const PROBE_RAY = 11u;  // a probe to be followed to its next hit
 const PROBE_HIT = 12u;  // what the probe has met
 const PROBE_END = 13u;  // the entry point there
+const WALK_DEPTH = 15u; // how deep the end of its flight is
 const AT_CATCHER = 14u; // a light sample for the shadows on a surface that is not seen itself
 
 // Layer of the picture that a path brings light to.
@@ -27,6 +28,8 @@ const HAS_MET = 1u;    // a surface that the camera sees
 const SOFT = 2u;       // it has left a matte surface, and there are no caustics
 const IS_FIRST = 4u;   // the surface at hand is the first that the camera sees
 const UNLIT = 8u;      // the surface at hand has taken no numbers for a light sample
+const HAS_SCATTERED = 16u; // its walk has had a collision
+const AT_LIMIT = 32u;  // the flight at hand ends where another medium may be, without a collision
 
 // Layers that a light sample brings light to.
 const TO_SURFACE = 0u;
@@ -37,8 +40,10 @@ const TO_ALPHA = 2u;   // what arrives takes from the shadows
 const NO_SHADOW = 0u;
 const FREE_SHADOW = 1u;
 const BODY_SHADOW = 2u;
+const SHELL_SHADOW = 3u; // the same way again, through shells
 
 struct Path {
+    // Of its ray, or where its walk got the direction.
     origin: vec3f,
     work: u32,
     direction: vec3f,
@@ -85,10 +90,11 @@ struct Walk {
     offset: f32,
     // Density of its direction, NEVER where that was not drawn at a collision.
     pdf: f32,
-    group: u32,
     material: u32,
     events: u32,
-    has_scattered: u32,
+    // Single numbers that it has taken, and its depth where the flight began: both for shells.
+    draws: u32,
+    depth: f32,
 }
 
 // Probes for the entry points of light that leaves at a point.
@@ -127,7 +133,7 @@ struct Shadow {
     // Through a body: extinction, distance to the light, and what was followed.
     sigma_t: vec3f,
     light_distance: f32,
-    // Share of each channel in flights by which the way out was drawn, 0 where it was not.
+    // Share of each channel in flights by which the way out was drawn, 0 where it was not; what shells leave of the light.
     share: vec3f,
     done: f32,
     nesting: u32,
@@ -138,6 +144,10 @@ struct Shadow {
     hit_triangle: u32,
     hit: vec2f,
     hit_t: f32,
+    // Through shells: of which material, how deep it is, and the state of its random numbers.
+    material: u32,
+    depth: f32,
+    random: u32,
 }
 
 // Light and features of a sample.
@@ -200,7 +210,10 @@ const SHADOW_HITS = 6u;
 const LIGHT_REQUESTS = 7u;
 const SCATTERS = 8u;
 const PROBES = 9u;
-const COUNTERS = 10u;
+// Walks and light samples that need to know how deep they are.
+const DEPTHS = 10u;
+const SHADOW_DEPTHS = 11u;
+const COUNTERS = 12u;
 
 fn enqueue(list: u32, slot: u32) {
     let place = atomicAdd(&queues[list], 1u);

@@ -199,6 +199,10 @@ fn scatter_at_surface(
     if (pairing != 0u && dot(incoming, normal) < 0.0) {
         p = brightened(p, pairing);
     }
+    if (u32(tables[m + BELOW_KIND]) == WALK_BELOW && dot(incoming, normal) < 0.0 && greatest(p.subsurface_active) > 0.0) {
+        // Shells may be brighter; the color only sets how often paths look below
+        p.surface_albedo = max(p.surface_albedo, table_color(shell_words((*met).material) + BRIGHTEST_SHELL));
+    }
     var bsdf = bsdf_new(p, to_local(frame, -incoming));
     if (((*path).flags & IS_FIRST) != 0u) {
         (*path).flags &= ~IS_FIRST;

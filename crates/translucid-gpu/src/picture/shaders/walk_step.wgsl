@@ -16,14 +16,23 @@ const END_SETS = 2u;
 // |g| below which directions are drawn evenly: the quotient of the closed form would be rounding noise.
 const ISOTROPIC = 1e-3;
 
-// Numbers of a walk: stratified for its first events, then independent.
-fn walk_numbers(path: ptr<function, Path>, is_clear: bool, number: u32) -> vec4f {
+// Numbers of a walk: stratified for its first events, then independent, behind so many single ones.
+fn walk_numbers(path: ptr<function, Path>, is_clear: bool, number: u32, draws: u32) -> vec4f {
     let first = surface_sets((*path).flags) + select(END_SETS, 0u, is_clear);
     let sets = select(MATTE_SETS, CLEAR_SETS, is_clear);
     if (number < sets) {
         return stratified((*path).sampler, (*path).vertex, first + number);
     }
-    return independent((*path).sampler, (*path).vertex * SETS_PER_VERTEX + first, number - sets);
+    return independent((*path).sampler, (*path).vertex * SETS_PER_VERTEX + first, 2u * (number - sets) + draws);
+}
+
+// The next two single numbers of a walk, in the order in which the processor takes them.
+fn single_numbers(path: ptr<function, Path>, walk: ptr<function, Walk>, is_clear: bool) -> vec2f {
+    let first = surface_sets((*path).flags) + select(END_SETS, 0u, is_clear);
+    let sets = select(MATTE_SETS, CLEAR_SETS, is_clear);
+    let taken = (*walk).events * select(1u, 2u, is_clear) - select(0u, 1u, is_clear);
+    let draws = 2u * (max(taken, sets) - sets) + (*walk).draws;
+    return independent((*path).sampler, (*path).vertex * SETS_PER_VERTEX + first, draws).xz;
 }
 
 // Set of numbers for the light sample at a matte end, behind which is that for the way on.
@@ -43,7 +52,7 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     let side = select(1.0, -1.0, dot((*path).direction, (*met).geometric) > 0.0);
     let outward = (*met).geometric * side;
     let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
-    let u = walk_numbers(path, is_clear, 0u);
+    let u = walk_numbers(path, is_clear, 0u, 0u);
     let toward = (*path).direction;
     let eta = tables[m + WALK_ETA];
     let surface = u32(tables[m + WALK_SURFACE]);
@@ -101,7 +110,6 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     walk.side = side;
     walk.offset = (*met).offset;
     walk.pdf = NEVER;
-    walk.group = (*met).group;
     walk.material = (*met).material;
     if (surface == CLEAR && eta == 1.0 && !is_passed_alike(met, ((*path).flags & SOFT) != 0u)) {
         // Light that goes straight through is then found by paths alone
@@ -109,16 +117,25 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     }
     (*path).throughput = throughput;
     (*path).work = WALK_RAY;
-    set_out(path, &walk, select(u.z, u.x, is_clear));
+    (*path).flags &= ~HAS_SCATTERED;
+    var shells = shells_around(walk.material, walk.sigma_t, walk.offset);
+    set_out(path, &walk, flight_from(&shells, 0.0), select(u.z, u.x, is_clear));
     slots[slot].walk = walk;
 }
 
-// Draws the length of the next flight from one channel, chosen in proportion to the throughput.
-fn set_out(path: ptr<function, Path>, walk: ptr<function, Walk>, u: f32) {
-    let length = flight_length((*path).throughput, (*walk).sigma_t, u);
-    (*walk).length = max(length - (*walk).skipped, 0.0);
-    (*walk).done = 0.0;
+// Begins a flight in a new direction.
+fn set_out(path: ptr<function, Path>, walk: ptr<function, Walk>, flight: Flight, u: f32) {
     (*walk).events += 1u;
+    (*path).origin = (*walk).start;
+    fly_on(path, walk, flight, u);
+}
+
+// Draws the length of the next flight from one channel, chosen in proportion to the throughput.
+fn fly_on(path: ptr<function, Path>, walk: ptr<function, Walk>, flight: Flight, u: f32) {
+    let length = flight_length((*path).throughput, flight.sigma_t, u);
+    (*path).flags = select((*path).flags & ~AT_LIMIT, (*path).flags | AT_LIMIT, length > flight.limit);
+    (*walk).length = max(min(length, flight.limit) - (*walk).skipped, 0.0);
+    (*walk).done = 0.0;
 }
 
 fn flight_length(throughput: vec3f, sigma_t: vec3f, u: f32) -> f32 {
@@ -179,53 +196,71 @@ fn turned(g: f32, direction: vec3f, u: vec2f) -> vec3f {
     return normalize(frame_of(direction) * vec3f(sine * around, cosine));
 }
 
-// Where a flight has ended: at a surface, or at a collision.
+// Where a flight has ended: at a surface, or at a collision, for which walks through shells need to know how deep it is.
 fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>) {
     (*path).work = WALK_RAY;
-    if ((*path).hit_triangle == NO_TRIANGLE) {
-        collide(path, walk, light, (*walk).length);
-        return;
-    }
-    let distance = (*walk).done + (*path).hit_t;
-    let leaves = dot((*walk).direction, geometric_normal(triangle_at((*path).hit_triangle))) * (*walk).side > 0.0;
-    let ends = leaves && (*walk).nesting <= 1u;
-    if (ends && distance <= (*walk).length) {
-        (*walk).length = distance;
-        (*path).work = WALK_END;
-    } else if (ends) {
-        // Nearer to the body's end than rounding allows: a little before it
-        collide(path, walk, light, max(distance - (*walk).offset, 0.0));
-    } else if (distance > (*walk).length) {
-        collide(path, walk, light, (*walk).length);
-    } else {
-        (*walk).nesting = select((*walk).nesting + 1u, (*walk).nesting - 1u, leaves);
-        (*walk).done = distance + (*walk).offset;
-        (*path).passes += 1u;
-        if ((*path).passes >= MOST_PASSES) {
-            (*path).work = ENDED;
+    var way = (*walk).length;
+    if ((*path).hit_triangle != NO_TRIANGLE) {
+        let distance = (*walk).done + (*path).hit_t;
+        let leaves = dot((*walk).direction, geometric_normal(triangle_at((*path).hit_triangle))) * (*walk).side > 0.0;
+        let ends = leaves && (*walk).nesting <= 1u;
+        if (ends && distance <= (*walk).length) {
+            (*walk).length = distance;
+            (*path).work = WALK_END;
+            return;
+        }
+        if (ends) {
+            // Nearer to the body's end than rounding allows: a little before it
+            way = max(distance - (*walk).offset, 0.0);
+        } else if (distance <= (*walk).length) {
+            (*walk).nesting = select((*walk).nesting + 1u, (*walk).nesting - 1u, leaves);
+            (*walk).done = distance + (*walk).offset;
+            (*path).passes += 1u;
+            if ((*path).passes >= MOST_PASSES) {
+                (*path).work = ENDED;
+            }
+            return;
         }
     }
+    (*walk).start += (*walk).direction * way;
+    if (is_lost((*walk).start)) {
+        (*path).work = ENDED;
+    } else if (tables[shell_words((*walk).material)] > 0.0) {
+        (*path).work = WALK_DEPTH;
+        // From a depth that is known: on the surface, which it left by the offset
+        (*walk).done = way + (*walk).skipped + (*walk).offset;
+    } else {
+        collide(path, walk, light);
+    }
+}
+
+// Returns true if a point is too far off to come back to the body, or not finite.
+fn is_lost(point: vec3f) -> bool {
+    let off = point - table_color(MIDDLE);
+    return !(dot(off, off) <= tables[FARTHEST]);
 }
 
 fn is_last(path: ptr<function, Path>) -> bool {
     return (*path).depth >= head(MAX_DEPTH) || (*path).diffuse_depth >= head(MAX_DIFFUSE_DEPTH);
 }
 
-// A collision at a place along the flight, which is to scatter the walk.
-fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>, way: f32) {
+// A collision at the flight's end.
+fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>) {
     let length = (*walk).length + (*walk).skipped;
     (*walk).skipped = 0.0;
     let density = attenuation((*path).throughput, (*walk).sigma_t, length) * (*walk).sigma_t;
     (*path).throughput = reweighed((*path).throughput, density) * (*walk).alpha;
-    (*walk).has_scattered = 1u;
     (*path).passes = 0u;
-    (*walk).start += (*walk).direction * way;
+    be_collided(path, walk, light);
+}
+
+// The medium is to scatter the walk where it is.
+fn be_collided(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>) {
+    (*path).flags |= HAS_SCATTERED;
     let m = material_at((*walk).material);
     let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
-    let off = (*walk).start - table_color(MIDDLE);
-    let is_lost = !(dot(off, off) <= tables[FARTHEST]);
     let is_given_up = (*walk).events >= u32(tables[m + MOST_FLIGHTS]);
-    if (is_lost || is_given_up || (is_clear && is_last(path)) || is_zero((*path).throughput)) {
+    if (is_given_up || (is_clear && is_last(path)) || is_zero((*path).throughput)) {
         (*path).work = ENDED;
         return;
     }
@@ -237,32 +272,41 @@ fn collide(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<func
 }
 
 // Scatters the walk at its collision.
-fn scatter_walk(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>, shadow: ptr<function, Shadow>) {
+fn scatter_walk(
+    path: ptr<function, Path>,
+    walk: ptr<function, Walk>,
+    light: ptr<function, Light>,
+    shadow: ptr<function, Shadow>,
+    group: u32,
+) {
     let m = material_at((*walk).material);
-    let g = tables[m + WALK_G];
+    var shells = shells_around((*walk).material, (*walk).sigma_t, (*walk).offset);
+    let g = shell_g(&shells, shell_at(&shells, (*walk).depth).number, (*walk).material);
     let before = (*walk).direction;
     // Between clear surfaces an event has a set for its light sample, too
     let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
-    let u = walk_numbers(path, is_clear, (*walk).events * select(1u, 2u, is_clear));
+    let u = walk_numbers(path, is_clear, (*walk).events * select(1u, 2u, is_clear), (*walk).draws);
     let after = turned(g, before, u.xy);
     (*walk).pdf = phase(g, dot(before, after));
     if ((*light).kind != NO_LIGHT) {
-        send_from_collision(path, walk, light, shadow, phase(g, dot(before, (*light).direction)));
+        send_from_collision(path, walk, light, shadow, shells.least, phase(g, dot(before, (*light).direction)));
+        (*shadow).group = group;
     }
     let survival = min(sum((*path).throughput) / (ROULETTE_BELOW * (*walk).entered), 1.0);
     (*path).work = select(ENDED, WALK_RAY, u.w < survival);
     (*path).throughput /= survival;
     (*walk).direction = after;
-    set_out(path, walk, u.z);
+    set_out(path, walk, flight_from(&shells, (*walk).depth), u.z);
 }
 
 // Sends a light sample, scattered at a collision, on its way out of the body: as flights come there that are twice as long as
-// the walk's own.
+// the walk's own, or as those in the least dense of its media.
 fn send_from_collision(
     path: ptr<function, Path>,
     walk: ptr<function, Walk>,
     light: ptr<function, Light>,
     shadow: ptr<function, Shadow>,
+    least: vec3f,
     scattered: f32,
 ) {
     set_light(path, shadow, weighed(light, weight_of(light, scattered)) * (*path).throughput * scattered);
@@ -278,11 +322,12 @@ fn send_from_collision(
     (*shadow).sigma_t = (*walk).sigma_t;
     (*shadow).share = (*path).throughput / sum((*path).throughput);
     (*shadow).nesting = (*walk).nesting;
-    (*shadow).group = (*walk).group;
+    (*shadow).material = (*walk).material;
+    (*shadow).depth = (*walk).depth;
     (*shadow).side = (*walk).side;
     (*shadow).offset = (*walk).offset;
     (*shadow).done = 0.0;
-    (*shadow).length = flight_length((*path).throughput, 0.5 * (*walk).sigma_t, (*light).random);
+    (*shadow).length = flight_length((*path).throughput, 0.5 * least, (*light).random);
     (*shadow).light_distance = (*light).distance;
 }
 
@@ -302,7 +347,10 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
     let m = material_at((*walk).material);
     let way = (*walk).length + (*walk).skipped;
     (*walk).skipped = 0.0;
-    (*path).throughput = reweighed((*path).throughput, attenuation((*path).throughput, (*walk).sigma_t, way));
+    var shells = shells_around((*walk).material, (*walk).sigma_t, (*walk).offset);
+    let flown = flight_from(&shells, (*walk).depth).sigma_t;
+    (*path).throughput = reweighed((*path).throughput, attenuation((*path).throughput, flown, way));
+    (*walk).depth = 0.0;
     let eta = tables[m + WALK_ETA];
     if (u32(tables[m + WALK_SURFACE]) != CLEAR) {
         (*path).work = AT_MATTE_END;
@@ -313,7 +361,7 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
     let outward = (*met).geometric * (*walk).side;
     var direction = (*walk).direction;
     if (eta != 1.0) {
-        let u = walk_numbers(path, true, 2u * (*walk).events - 1u);
+        let u = walk_numbers(path, true, 2u * (*walk).events - 1u, (*walk).draws);
         let cosine = dot(direction, outward);
         if (u.x < fresnel_dielectric(cosine, 1.0 / eta)) {
             if ((*walk).events >= u32(tables[m + MOST_FLIGHTS])) {
@@ -324,7 +372,7 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
             (*walk).nesting = 1u;
             (*walk).pdf = NEVER;
             (*path).work = WALK_RAY;
-            set_out(path, walk, u.y);
+            set_out(path, walk, flight_from(&shells, 0.0), u.y);
             return;
         }
         let refracted = refract_through(-direction, -outward, 1.0 / eta);
@@ -334,20 +382,21 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
         direction = refracted.direction;
     }
     (*path).direction = direction;
+    let has_scattered = ((*path).flags & HAS_SCATTERED) != 0u;
     var weight = coat_tint_one_way((*met).surface);
     if (eta == 1.0) {
         weight = entering(met, direction, (*walk).side);
-        if ((*walk).has_scattered == 0u) {
+        if (!has_scattered) {
             // Nothing has happened to the light
             pass_surface(path, met, weight);
             return;
         }
     }
-    (*path).diffuse_depth += (*walk).has_scattered;
-    if ((*walk).has_scattered != 0u && head(CAUSTICS) == 0u) {
+    (*path).diffuse_depth += u32(has_scattered);
+    if (has_scattered && head(CAUSTICS) == 0u) {
         (*path).flags |= SOFT;
     }
-    (*path).mis_point = (*walk).start;
+    (*path).mis_point = (*path).origin;
     (*path).mis_normal = vec3f(0.0);
     // No light sample comes refracted to a collision
     (*path).mis_pdf = select(NEVER, min((*walk).pdf, NEVER), eta == 1.0);
