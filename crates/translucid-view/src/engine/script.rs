@@ -32,18 +32,17 @@ pub(super) struct Script {
     jobs: u32,
     job: Option<Job>,
     state: State,
-    /// Why the device is lost.
-    loss: Option<String>,
 }
 
 /// Whether a script's device can trace.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 enum State {
     /// Its kernels are not made yet.
     #[default]
     Unready,
     Ready,
-    Lost,
+    /// The device is lost, for a reason in words.
+    Lost(String),
 }
 
 struct Job {
@@ -170,16 +169,17 @@ impl Engine<'_> {
 
     /// Leaves the script's job, and all pictures from now on, to the processor, for a reason in words.
     pub(crate) fn lose_script(&mut self, reason: &str) {
-        (self.script.job, self.script.state) = (None, State::Lost);
-        self.script.loss = Some(reason.to_owned());
+        (self.script.job, self.script.state) = (None, State::Lost(reason.to_owned()));
         self.recall_loss();
         self.tell_notes();
     }
 
     /// A device that is lost is still so where it is chosen again.
     pub(super) fn recall_loss(&mut self) {
-        if self.is_by_script() && self.script.state == State::Lost {
-            self.device_fault.clone_from(&self.script.loss);
+        if let State::Lost(reason) = &self.script.state
+            && self.is_by_script()
+        {
+            self.device_fault = Some(reason.clone());
         }
     }
 }
