@@ -4,15 +4,15 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
-use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use translucid_scene::{Mesh, Object, Scene, SceneError};
 
 use super::instances::{INSTANCE_WORDS, Instance, Sharing};
 use super::limits::DeviceLimits;
-use crate::ray::BinaryBuilder;
+use crate::ray::{BinaryBuilder, Primitive};
 
 /// Words of a node: lowest corner, number of triangles (0: an inner node, 2³² − 1: an instance), highest corner, first child or
 /// triangle, or the instance.
@@ -96,7 +96,7 @@ impl Triangles {
         };
         let places: Vec<(u32, u32)> = apart.iter().flat_map(of).collect();
         let in_world = |&(object, number): &(u32, u32)| {
-            triangle_box(scene.objects[object as usize].vertices(number as usize))
+            triangle_box(scene.objects[object as usize].vertices(number as usize), number)
         };
         let mut boxes: Vec<Aabb> = places.par_iter().map(in_world).collect();
         boxes.extend(instances.iter().map(|instance| instance.placement.aabb));
@@ -259,13 +259,16 @@ impl Tree {
     }
 }
 
-fn triangle_box([a, b, c]: [Vec3; 3]) -> Aabb {
-    Triangle { v0: a.into(), v1: b.into(), v2: c.into() }.aabb()
+/// The box of a triangle of a number, with the processor's room for rounding errors.
+fn triangle_box(vertices: [Vec3; 3], triangle: u32) -> Aabb {
+    Primitive { vertices, object: 0, triangle, group: 0 }.aabb()
 }
 
 fn mesh_boxes(mesh: &Mesh) -> Vec<Aabb> {
-    let box_of = |corners: &[u32; 3]| triangle_box(corners.map(|corner| mesh.positions[corner as usize]));
-    mesh.triangles.par_iter().map(box_of).collect()
+    let box_of = |(corners, triangle): (&[u32; 3], u32)| {
+        triangle_box(corners.map(|corner| mesh.positions[corner as usize]), triangle)
+    };
+    mesh.triangles.par_iter().zip(0..mesh.triangles.len() as u32).map(box_of).collect()
 }
 
 /// Tangents along u, whose sum counts before it is made perpendicular to the shading normal, and the sign of the bitangent; 0
