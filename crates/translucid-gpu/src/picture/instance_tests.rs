@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use translucid_profile::Model;
-use translucid_render::device::{DeviceLimits, DeviceScene, Header, MOST_LEVELS};
+use translucid_render::device::{DeviceLimits, DeviceScene, Header};
 use translucid_render::{FilmLayer, PreparedScene};
 use translucid_scene::{
     Camera, Channel, ColorInput, Environment, Film, Material, Mesh, NormalMap, Object, ScalarInput, Scene,
@@ -225,8 +225,6 @@ fn meshes_are_shared_where_memory_is_tight() {
 /// More nodes than a ray has room for never wait: trees that are so high are refused.
 #[test]
 fn trees_that_are_too_high_are_refused() {
-    let text = include_str!("shaders/ray.wgsl");
-    assert!(text.contains(&format!("const STACK = {MOST_LEVELS}u;")));
     let mut scene = scene(torus(), [matte(), matte()]);
     let nested = |i: usize| {
         let size = 1.3_f32.powi(i as i32 - 50);

@@ -11,6 +11,8 @@ mod evaluate;
 #[cfg(test)]
 mod instance_tests;
 #[cfg(test)]
+mod layout_tests;
+#[cfg(test)]
 mod light_tests;
 #[cfg(test)]
 mod profile_tests;

@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 
 use glam::{Affine2, Affine3A, Vec2, Vec3};
-use translucid_render::device::Header;
 use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, LayerMedium, Light,
@@ -11,24 +10,8 @@ use translucid_scene::{
     SubsurfaceModel, TextureRef, WalkSurface, Wrap,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
-use wgpu::naga;
 
 use super::*;
-
-/// The stride of slots is that of the shaders.
-#[test]
-fn slots_have_the_size_of_the_shaders() {
-    let text = text();
-    let module = match naga::front::wgsl::parse_str(&text) {
-        Ok(module) => module,
-        Err(error) => panic!("{}", error.emit_to_string(&text)),
-    };
-    let span = module.types.iter().find_map(|(_, kind)| match (&kind.name, &kind.inner) {
-        (Some(name), naga::TypeInner::Struct { span, .. }) if name == "Slot" => Some(*span),
-        _ => None,
-    });
-    assert_eq!(span.map(u64::from), Some(SLOT_BYTES));
-}
 
 /// Channels of all layers.
 const CHANNELS: usize = 23;
@@ -436,29 +419,4 @@ fn light_without_size_is_refused_below_refracting_boundaries() {
     below(WalkSurface::Clear, 1.4, 0.1).unwrap();
     below(WalkSurface::Clear, 1.0, 0.0).unwrap();
     below(WalkSurface::Diffuse, 1.4, 0.0).unwrap();
-}
-
-/// The head of the tables has the places that the shaders know.
-#[test]
-fn heads_of_tables_agree() {
-    let text = include_str!("shaders/scene.wgsl");
-    for (name, place) in [
-        ("MATERIALS", Header::Materials),
-        ("LIGHTS", Header::Lights),
-        ("FILTER", Header::Filter),
-        ("SOBOL", Header::Sobol),
-        ("IMAGES", Header::Images),
-        ("MAX_DEPTH", Header::MaxDepth),
-        ("ATTRIBUTE_WORDS", Header::AttributeWords),
-        ("COLOR", Header::Color),
-        ("MIDDLE", Header::Middle),
-        ("FARTHEST", Header::Farthest),
-        ("SHADOWS_LOOK", Header::ShadowsLook),
-        ("DIAGONAL", Header::Diagonal),
-        ("INSTANCES", Header::Instances),
-        ("TANGENTS", Header::Tangents),
-        ("SHAPES", Header::Shapes),
-    ] {
-        assert!(text.contains(&format!("const {name} = {}u;", place as u32)), "{name}");
-    }
 }

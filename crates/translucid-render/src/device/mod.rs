@@ -9,6 +9,7 @@
 //! devices lack is refused by name.
 
 mod camera;
+mod constants;
 mod images;
 mod instances;
 mod lights;
@@ -19,11 +20,11 @@ mod tables;
 mod triangles;
 
 pub use camera::DeviceCamera;
-pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};
+pub use constants::shader_constants;
+pub use lights::{LightWords, light_set, lights};
 pub use limits::DeviceLimits;
 pub use scene::{DeviceScene, Header};
 pub use tables::material_tables;
-pub use triangles::MOST_LEVELS;
 
 use std::sync::Arc;
 

@@ -26,7 +26,7 @@ pub(super) const NO_LIGHT: u32 = u32::MAX;
 /// Number of triangles of a node that stands for an instance, whose number is that of the first triangle.
 const AN_INSTANCE: u32 = u32::MAX;
 /// Greatest height of a tree and those of the meshes below it: as many nodes may wait on the way down.
-pub const MOST_LEVELS: u32 = 64;
+pub(super) const MOST_LEVELS: u32 = 64;
 
 /// Attributes of a triangle: three normals, then what the scene's materials need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
