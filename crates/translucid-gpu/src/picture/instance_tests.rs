@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use translucid_profile::Model;
-use translucid_render::device::{DeviceLimits, DeviceScene, Header};
+use translucid_render::device::{DeviceLimits, DeviceScene, DeviceTrees, Header};
 use translucid_render::{FilmLayer, PreparedScene};
 use translucid_scene::{
     Camera, Channel, ColorInput, Environment, Film, Material, Mesh, NormalMap, Object, ScalarInput, Scene,
@@ -179,6 +179,26 @@ fn walks_in_instances_are_the_processors() {
 fn profiles_on_instances_are_the_processors() {
     let even = profile(Model::NormalizedDiffusion);
     check("profiles", &scene(torus(), [even.clone(), even]), 6, 0.05, None);
+}
+
+/// After edits of a material, of a place and of a mesh.
+#[test]
+fn edited_scenes_have_the_words_of_new_ones() {
+    let mut scene = shared(scene(torus(), [matte(), matte()]));
+    let mut trees = DeviceTrees::default();
+    let edits: [fn(&mut Scene); 4] = [
+        |_| {},
+        |scene| scene.materials[0].base_color.factor = Vec3::ONE,
+        |scene| scene.objects[1].world_from_local.translation.x += 0.5,
+        |scene| scene.objects[6].mesh = torus().into(),
+    ];
+    for edit in edits {
+        edit(&mut scene);
+        let prepared = PreparedScene::new(scene.clone()).unwrap();
+        let view = prepared.view().unwrap();
+        let edited = DeviceScene::edited(&prepared, &view, &LIMITS, &mut trees).unwrap();
+        assert!(edited == DeviceScene::new(&prepared, &view, &LIMITS).unwrap());
+    }
 }
 
 /// Each more has its own words and two nodes; the mesh is there once.

@@ -17,6 +17,7 @@ mod limits;
 mod materials;
 mod scene;
 mod tables;
+mod tree;
 mod triangles;
 
 pub use camera::DeviceCamera;
@@ -25,6 +26,7 @@ pub use lights::{LightWords, light_set, lights};
 pub use limits::DeviceLimits;
 pub use scene::{DeviceScene, Header};
 pub use tables::material_tables;
+pub use tree::DeviceTrees;
 
 use std::sync::Arc;
 

@@ -9,6 +9,7 @@ use super::lights::lights;
 use super::limits::DeviceLimits;
 use super::materials::{Materials, TEXTURE_WORDS, has_varied_emission};
 use super::tables::material_tables;
+use super::tree::DeviceTrees;
 use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
 use crate::render::{FILTER_TABLE, PreparedScene, View};
 
@@ -99,6 +100,19 @@ impl DeviceScene {
     /// # Errors
     /// The scene needs something that devices lack, or is too large for this one; the message names it.
     pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
+        Self::edited(prepared, view, limits, &mut DeviceTrees::default())
+    }
+
+    /// The words of a scene that has been edited, with the trees that it had before.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn edited(
+        prepared: &PreparedScene,
+        view: &View,
+        limits: &DeviceLimits,
+        trees: &mut DeviceTrees,
+    ) -> Result<Self, SceneError> {
         let scene = prepared.scene();
         let (world, transports) = prepared.parts();
         if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
@@ -110,7 +124,7 @@ impl DeviceScene {
         let geometry = &world.geometry;
         let light_of = |object, triangle| lights.triangle(geometry.primitive(object, triangle));
         let emits = |object| lights.are_in(geometry.primitive(object, 0)..geometry.primitive(object + 1, 0));
-        let triangles = Triangles::new(scene, limits, emits, light_of)?;
+        let triangles = Triangles::new(scene, limits, emits, light_of, trees)?;
         for (place, material, light) in triangles.lights() {
             if has_varied_emission(&scene.materials[material]) {
                 lights.look_up(light, place);

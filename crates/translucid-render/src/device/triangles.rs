@@ -6,13 +6,13 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 use translucid_scene::{Mesh, Object, Scene, SceneError};
 
 use super::instances::{INSTANCE_WORDS, Instance, Sharing};
 use super::limits::DeviceLimits;
-use crate::ray::{BinaryBuilder, Primitive};
+use super::tree::{DeviceTrees, Tree};
+use crate::ray::Primitive;
 
 /// Words of a node: lowest corner, number of triangles (0: an inner node, 2³² − 1: an instance), highest corner, first child or
 /// triangle, or the instance.
@@ -81,12 +81,14 @@ pub(super) struct Triangles {
 impl Triangles {
     /// The triangles of all objects in their places.
     ///
-    /// `emits` says whether an object has lights, and `light_of` gives the number of a triangle of it among the lights.
+    /// `emits` says whether an object has lights, and `light_of` gives the number of a triangle of it among the lights. Trees that
+    /// are kept are not built anew.
     pub(super) fn new(
         scene: &Scene,
         limits: &DeviceLimits,
         emits: impl Fn(u32) -> bool,
         light_of: impl Fn(u32, u32) -> Option<u32>,
+        kept: &mut DeviceTrees,
     ) -> Result<Self, SceneError> {
         let (sharing, layout, [stored, words]) = sorted(scene, limits, emits)?;
         let Sharing { apart, instances, meshes } = sharing;
@@ -100,9 +102,11 @@ impl Triangles {
         };
         let mut boxes: Vec<Aabb> = places.par_iter().map(in_world).collect();
         boxes.extend(instances.iter().map(|instance| instance.placement.aabb));
-        let world = Tree::new(&boxes);
-        let trees: Vec<Tree> = meshes.par_iter().map(|mesh| Tree::new(&mesh_boxes(mesh))).collect();
-        let levels = world.height() + trees.iter().map(Tree::height).max().unwrap_or(0);
+        let of_meshes = meshes.iter().map(|mesh| mesh_boxes(mesh));
+        let boxes: Vec<Vec<Aabb>> = std::iter::once(boxes).chain(of_meshes).collect();
+        let trees = kept.over(&boxes);
+        let (world, trees) = (&trees[0], &trees[1..]);
+        let levels = world.height() + trees.iter().map(|tree| tree.height()).max().unwrap_or(0);
         let waiting = DeviceLimits { array_bytes: MOST_LEVELS.into() };
         waiting.check("levels of boxes around its triangles", levels.into(), 1)?;
 
@@ -114,7 +118,7 @@ impl Triangles {
             instances: instances.len(),
         };
         new.nodes.resize(INSTANCE_WORDS * instances.len(), 0);
-        let mut leaves = Vec::with_capacity(boxes.len());
+        let mut leaves = Vec::with_capacity(boxes[0].len());
         for number in &world.order {
             if let Some(&(object, triangle)) = places.get(*number as usize) {
                 leaves.push([1, new.count()]);
@@ -124,13 +128,13 @@ impl Triangles {
                 leaves.push([AN_INSTANCE, number - places.len() as u32]);
             }
         }
-        new.push_nodes(&world, |leaf| leaves[leaf as usize]);
-        new.push_meshes(&meshes, &trees, &instances);
+        new.push_nodes(world, |leaf| leaves[leaf as usize]);
+        new.push_meshes(&meshes, trees, &instances);
         Ok(new)
     }
 
     /// Appends shared meshes with their trees, and states the words of their instances.
-    fn push_meshes(&mut self, meshes: &[&Arc<Mesh>], trees: &[Tree], instances: &[Instance<'_>]) {
+    fn push_meshes(&mut self, meshes: &[&Arc<Mesh>], trees: &[Arc<Tree>], instances: &[Instance<'_>]) {
         let mut first = self.count();
         let mut starts = Vec::with_capacity(meshes.len());
         for (mesh, tree) in meshes.iter().zip(trees) {
@@ -226,37 +230,6 @@ fn sorted<'a>(
     let words = 2 * NODE_WORDS as usize * (stored + instances) + INSTANCE_WORDS * instances;
     limits.check("bytes of instances and boxes", 4 * words as u64, 1)?;
     Ok((sharing, layout, [stored, words]))
-}
-
-/// A binary tree over boxes, one a leaf.
-struct Tree {
-    nodes: Vec<Bvh2Node>,
-    /// The numbers of the boxes in the order of the leaves.
-    order: Vec<u32>,
-}
-
-impl Tree {
-    fn new(boxes: &[Aabb]) -> Self {
-        let mut builder = BinaryBuilder::default();
-        if !boxes.is_empty() {
-            builder.build(boxes);
-        }
-        let (nodes, order) = builder.into_parts();
-        Self { nodes, order }
-    }
-
-    /// Greatest number of nodes above a leaf.
-    fn height(&self) -> u32 {
-        let mut highest = 0;
-        let mut open = vec![(0, 0)];
-        while let Some((node, above)) = open.pop() {
-            highest = highest.max(above);
-            if let Some(node) = self.nodes.get(node as usize).filter(|node| !node.is_leaf()) {
-                open.extend([0, 1].map(|child| (node.first_index + child, above + 1)));
-            }
-        }
-        highest
-    }
 }
 
 /// The box of a triangle of a number, with the processor's room for rounding errors.

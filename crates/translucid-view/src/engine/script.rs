@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use translucid_gpu::program;
-use translucid_render::device::DeviceScene;
+use translucid_render::device::{DeviceScene, DeviceTrees};
 use translucid_render::{AT_ONCE, FilmSums, Fraction, LiveFilm, Outcome, View, add_samples};
 
 use super::{Engine, Work};
@@ -32,6 +32,8 @@ pub(super) struct Script {
     jobs: u32,
     job: Option<Job>,
     state: State,
+    /// The trees of the scene that the device was given last.
+    trees: DeviceTrees,
 }
 
 /// Whether a script's device can trace.
@@ -105,7 +107,8 @@ impl Engine<'_> {
         let is_new = work.on_script == Scene::Stale;
         if is_new {
             let device = self.shared.settings.devices.by_script.as_ref()?;
-            let taken = DeviceScene::new(&self.prepared, &work.view, &device.limits);
+            let taken =
+                DeviceScene::edited(&self.prepared, &work.view, &device.limits, &mut self.script.trees);
             let work = self.sides[side].as_mut()?;
             work.refusal = taken.as_ref().err().map(ToString::to_string);
             work.on_script = if work.refusal.is_none() { Scene::Given } else { Scene::Refused };
