@@ -303,6 +303,10 @@ mod tests {
         let message = refusal(|scene| scene.camera.up = Vec3::NEG_Z);
         let must_be = "must be a direction that is not parallel to the viewing direction";
         assert_eq!(message, format!("camera, up = [0, 0, -1]: {must_be}"));
+        let message = refusal(|scene| scene.camera.lens_radius = 1281.0);
+        let must_be =
+            "must be at most 256 times the distance to `target` or the plane in focus, whichever is greater";
+        assert_eq!(message, format!("camera, lens_radius = 1281: {must_be}"));
         let message = refusal(|scene| scene.objects.clear());
         assert_eq!(message, "the scene has no objects, but must have at least one");
         let message = refusal(|scene| {

@@ -22,7 +22,7 @@ pub struct Camera {
     /// Shift of the picture's frame to the right and upward, in widths of the picture: the axis is that far left of and
     /// below the picture's middle, and parallel edges stay parallel. Within ±100.
     pub shift: Vec2,
-    /// Radius of the lens \[L\]; 0 is a pinhole.
+    /// Radius of the lens \[L\]; 0 is a pinhole. At most 256 times the distance to `target` or the focus, whichever is greater.
     pub lens_radius: f32,
     /// Distance from the lens to the plane in focus, along the viewing direction \[L\], > 0.
     pub focus_distance: f32,
@@ -79,7 +79,7 @@ impl Camera {
             field!(Camera { shift } => Slot::Pair(shift, Interval::closed(-100.0, 100.0)),
                 "`[right, up]`: how far the picture's frame is moved on its plane, in widths of the picture, each {range}; `target` then is as far left of the picture's middle and below, and upright edges stay upright", Plain),
             field!(Camera { lens_radius } => Slot::Length(lens_radius, Interval::LENGTH),
-                "length ≥ 0; 0 is a pinhole", Plain),
+                "length ≥ 0, up to 256 times the distance to `target` or the plane in focus, whichever is greater; 0 is a pinhole", Plain),
             field!(Camera { focus_distance } => Slot::Length(focus_distance, Interval::REACH),
                 "length > 0 along the view", Words("the distance to `target`"))
             .when_missing(|camera| {
@@ -104,11 +104,28 @@ impl Camera {
                 },
                 help: "give camera.up, for example [0, 0, -1]",
             },
+            Rule {
+                key: "lens_radius",
+                broken: |camera| {
+                    let most = "at most 256 times the distance to `target` or the plane in focus, whichever is greater";
+                    (f64::from(camera.lens_radius) > Self::WIDEST * camera.reach()).then(|| most.to_owned())
+                },
+                help: "",
+            },
         ],
     };
 
     /// Sine of the smallest angle between `up` and the viewing direction.
     const LEAST_SINE: f64 = 1e-4;
+
+    /// Widest lens in distances to what is seen: rays in single precision, which start all over it, still meet in the focus
+    /// within a pixel, a 16,384th of the distance, of the largest film.
+    const WIDEST: f64 = 256.0;
+
+    /// Distance to the target or the focus \[L\], whichever is greater.
+    fn reach(&self) -> f64 {
+        self.position.as_dvec3().distance(self.target.as_dvec3()).max(self.focus_distance.into())
+    }
 
     /// The camera to which things are `factor` times as large about the middle of the picture.
     pub fn zoomed(&self, factor: f32) -> Self {
@@ -127,7 +144,8 @@ impl Camera {
     /// Checks every field.
     ///
     /// # Errors
-    /// A number is out of its range, the camera looks at its own position, or `up` is parallel to the view.
+    /// A number is out of its range, the camera looks at its own position, `up` is parallel to the view, or the lens is too wide for
+    /// single precision.
     ///
     /// ```
     /// use translucid_scene::{Camera, Projection};

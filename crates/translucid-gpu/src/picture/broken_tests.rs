@@ -4,7 +4,6 @@
 
 use std::env;
 
-use glam::Vec3;
 use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::device::{DeviceLimits, DeviceScene};
 use translucid_render::{FilmLayer, PreparedScene};
@@ -39,7 +38,8 @@ fn refusal(scene: &Scene) -> Option<String> {
 }
 
 /// The differences of pixels add up as those of symmetric numbers do, whose sum is beyond 6 roots of the sum of squares in less
-/// than 2e^−18 = 3e-8 of all cases; for the 350 sound scenes that is 4e-5 over 3 channels. Rounding has 1e-3 of the light.
+/// than 2e^−18 = 3e-8 of all cases; for the 350 sound scenes that is 4e-5 over 3 channels. Where the processor follows two ways
+/// of which devices draw one, differences are skewed, and no such rate is known; seeds are fixed. Rounding has 1e-3 of the light.
 #[test]
 fn broken_scenes_are_refused_or_the_processors() {
     let wanted = env::var("TRANSLUCID_SCENES").map_or(RENDERED, |number| number.parse().unwrap());
@@ -49,36 +49,44 @@ fn broken_scenes_are_refused_or_the_processors() {
     };
     let sound: Vec<BrokenScene> = broken_scenes(&everything()).filter(is_sound).collect();
     let step = (sound.len() / wanted.max(1)).max(1);
-    let (mut rendered, mut refused) = (0, 0);
+    let (mut rendered, mut refused, mut faults) = (0, 0, Vec::new());
     for BrokenScene { place, change, mut scene, .. } in sound.into_iter().step_by(step) {
         if let Some(message) = refusal(&scene) {
-            let reasons = ["devices lack", "device holds", "values above"];
-            assert!(reasons.iter().any(|reason| message.contains(reason)), "{message}");
             refused += 1;
+            if !["devices lack", "device holds", "values above"].iter().any(|reason| message.contains(reason))
+            {
+                faults.push(format!("{place} = {change}: {message}"));
+            }
             continue;
         }
         scene.integrator.subsurface_sharing = false;
-        let [ours, theirs] = [None, Some(tracer())].map(|device| {
-            let film = picture(&scene, 8, device).film();
-            for layer in FilmLayer::ALL {
-                assert!(film.layer(layer).iter().all(|value| value.is_finite()), "{place} = {change}");
-            }
-            let radiance = film.layer(FilmLayer::Radiance);
-            radiance.chunks(3).map(Vec3::from_slice).collect::<Vec<_>>()
-        });
-        for c in 0..3 {
-            let pairs = || ours.iter().zip(&theirs).map(|(a, b)| (f64::from(a[c]), f64::from(b[c])));
-            let sum: f64 = pairs().map(|(a, b)| b - a).sum();
-            let squares: f64 = pairs().map(|(a, b)| (b - a).powi(2)).sum();
-            let light: f64 = pairs().map(|(a, _)| a.abs()).sum();
-            assert!(
-                sum.abs() <= 6.0 * squares.sqrt() + 1e-3 * light,
-                "{place} = {change}, channel {c}: {sum} of {light}, root of squares {}",
-                squares.sqrt()
-            );
-        }
         rendered += 1;
+        faults.extend(difference(&scene).map(|difference| format!("{place} = {change}: {difference}")));
     }
     println!("{rendered} rendered, {refused} refused");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(rendered > wanted / 2, "{rendered} rendered, {refused} refused");
+}
+
+/// What a device's picture of a scene has other than the processor's.
+fn difference(scene: &Scene) -> Option<String> {
+    let films = [None, Some(tracer())].map(|device| picture(scene, 8, device).film());
+    let broken = FilmLayer::ALL
+        .into_iter()
+        .find(|&layer| films.iter().any(|film| !film.layer(layer).iter().all(|v| v.is_finite())));
+    if let Some(layer) = broken {
+        return Some(format!("{layer:?} is not finite"));
+    }
+    let [ours, theirs] = films.map(|film| film.layer(FilmLayer::Radiance));
+    (0..3).find_map(|c| {
+        let channel =
+            |light: &[f32]| light.iter().skip(c).step_by(3).map(|&v| f64::from(v)).collect::<Vec<_>>();
+        let [ours, theirs] = [channel(&ours), channel(&theirs)];
+        let differences = || ours.iter().zip(&theirs).map(|(a, b)| b - a);
+        let sum: f64 = differences().sum();
+        let root = differences().map(|d| d * d).sum::<f64>().sqrt();
+        let light: f64 = ours.iter().map(|a| a.abs()).sum();
+        let is_off = sum.abs() > 6.0 * root + 1e-3 * light;
+        is_off.then(|| format!("channel {c}: {sum} of {light}, root of squares {root}"))
+    })
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use translucid_profile::Model;
-use translucid_render::device::{DeviceLimits, DeviceScene, Header, MOST_LEVELS};
+use translucid_render::device::{DeviceLimits, DeviceScene, DeviceTrees, Header};
 use translucid_render::{FilmLayer, PreparedScene};
 use translucid_scene::{
     Camera, Channel, ColorInput, Environment, Film, Material, Mesh, NormalMap, Object, ScalarInput, Scene,
@@ -181,6 +181,26 @@ fn profiles_on_instances_are_the_processors() {
     check("profiles", &scene(torus(), [even.clone(), even]), 6, 0.05, None);
 }
 
+/// After edits of a material, of a place and of a mesh.
+#[test]
+fn edited_scenes_have_the_words_of_new_ones() {
+    let mut scene = shared(scene(torus(), [matte(), matte()]));
+    let mut trees = DeviceTrees::default();
+    let edits: [fn(&mut Scene); 4] = [
+        |_| {},
+        |scene| scene.materials[0].base_color.factor = Vec3::ONE,
+        |scene| scene.objects[1].world_from_local.translation.x += 0.5,
+        |scene| scene.objects[6].mesh = torus().into(),
+    ];
+    for edit in edits {
+        edit(&mut scene);
+        let prepared = PreparedScene::new(scene.clone()).unwrap();
+        let view = prepared.view().unwrap();
+        let edited = DeviceScene::edited(&prepared, &view, &LIMITS, &mut trees).unwrap();
+        assert!(edited == DeviceScene::new(&prepared, &view, &LIMITS).unwrap());
+    }
+}
+
 /// Each more has its own words and two nodes; the mesh is there once.
 #[test]
 fn memory_grows_by_the_words_of_instances() {
@@ -225,8 +245,6 @@ fn meshes_are_shared_where_memory_is_tight() {
 /// More nodes than a ray has room for never wait: trees that are so high are refused.
 #[test]
 fn trees_that_are_too_high_are_refused() {
-    let text = include_str!("shaders/ray.wgsl");
-    assert!(text.contains(&format!("const STACK = {MOST_LEVELS}u;")));
     let mut scene = scene(torus(), [matte(), matte()]);
     let nested = |i: usize| {
         let size = 1.3_f32.powi(i as i32 - 50);

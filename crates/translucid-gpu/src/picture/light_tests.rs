@@ -6,7 +6,7 @@
 mod scenes;
 
 use glam::Vec3;
-use translucid_render::device::{LIGHT_CONSTANTS, LightWords, light_set, lights};
+use translucid_render::device::{LightWords, light_set, lights};
 use translucid_render::measure::LightSample;
 use translucid_testing::{SplitMix, power};
 
@@ -345,14 +345,6 @@ fn triangles_have_their_numbers() {
         compared += u32::from(expected > 0.0);
     }
     assert!(compared > 0 && words.triangle(1 << 20).is_none());
-}
-
-#[test]
-fn constants_are_those_of_the_words() {
-    let text = LIGHT_SHADERS.concat();
-    for (name, value) in LIGHT_CONSTANTS {
-        assert!(text.contains(&format!("const {name} = {value}u;")), "{name} is not {value}");
-    }
 }
 
 #[test]

@@ -13,6 +13,8 @@ mod instance_tests;
 #[cfg(test)]
 mod layer_tests;
 #[cfg(test)]
+mod layout_tests;
+#[cfg(test)]
 mod light_tests;
 #[cfg(test)]
 mod profile_tests;

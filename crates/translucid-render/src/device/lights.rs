@@ -60,7 +60,7 @@ const SKY: usize = 7;
 const MAP: usize = 8;
 
 /// These constants by their names in the shaders.
-pub const LIGHT_CONSTANTS: [(&str, usize); 18] = [
+pub(super) const LIGHT_CONSTANTS: [(&str, usize); 18] = [
     ("LIGHT_HEADER", HEADER),
     ("LIGHT_WORDS", LIGHT_WORDS),
     ("LIGHT_TRIANGLE_WORDS", TRIANGLE_WORDS),

@@ -32,8 +32,8 @@ pub(super) struct Materials<'a> {
     pub(super) textures: Vec<f32>,
     /// Media, kernels and smooth profiles, with the place of their tables.
     known: Vec<(*const (), usize)>,
-    /// Of a medium for each surface albedo √(1 − α), and the mean free path of a length 1, then its shells; of what else is below
-    /// a surface its words.
+    /// Tables of what is below surfaces: of a medium for each surface albedo √(1 − α), and the mean free path of a length 1,
+    /// then its shells; of anything else its words.
     pub(super) medium_tables: Vec<f32>,
 }
 

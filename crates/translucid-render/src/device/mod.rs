@@ -9,6 +9,7 @@
 //! devices lack is refused by name.
 
 mod camera;
+mod constants;
 mod images;
 mod instances;
 mod lights;
@@ -16,14 +17,16 @@ mod limits;
 mod materials;
 mod scene;
 mod tables;
+mod tree;
 mod triangles;
 
 pub use camera::DeviceCamera;
-pub use lights::{LIGHT_CONSTANTS, LightWords, light_set, lights};
+pub use constants::shader_constants;
+pub use lights::{LightWords, light_set, lights};
 pub use limits::DeviceLimits;
 pub use scene::{DeviceScene, Header};
 pub use tables::material_tables;
-pub use triangles::MOST_LEVELS;
+pub use tree::DeviceTrees;
 
 use std::sync::Arc;
 

@@ -11,6 +11,7 @@ use super::lights::lights;
 use super::limits::DeviceLimits;
 use super::materials::{Materials, TEXTURE_WORDS, has_varied_emission};
 use super::tables::material_tables;
+use super::tree::DeviceTrees;
 use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
 use crate::render::{FILTER_TABLE, PreparedScene, View};
 
@@ -101,6 +102,19 @@ impl DeviceScene {
     /// # Errors
     /// The scene needs something that devices lack, or is too large for this one; the message names it.
     pub fn new(prepared: &PreparedScene, view: &View, limits: &DeviceLimits) -> Result<Self, SceneError> {
+        Self::edited(prepared, view, limits, &mut DeviceTrees::default())
+    }
+
+    /// The words of a scene that has been edited, with the trees that it had before.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn edited(
+        prepared: &PreparedScene,
+        view: &View,
+        limits: &DeviceLimits,
+        trees: &mut DeviceTrees,
+    ) -> Result<Self, SceneError> {
         let scene = prepared.scene();
         let (world, transports) = prepared.parts();
         if scene.integrator.subsurface_method != SubsurfaceMethod::RayTraced {
@@ -118,7 +132,7 @@ impl DeviceScene {
         let groups: HashSet<u32> = layered.map(|object| object.subsurface_group).collect();
         let stays =
             |object| emits(object) || groups.contains(&scene.objects[object as usize].subsurface_group);
-        let triangles = Triangles::new(scene, limits, stays, light_of)?;
+        let triangles = Triangles::new(scene, limits, stays, light_of, trees)?;
         for (place, material, light) in triangles.lights() {
             if has_varied_emission(&scene.materials[material]) {
                 lights.look_up(light, place);

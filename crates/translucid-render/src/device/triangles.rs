@@ -4,15 +4,15 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use translucid_scene::{Mesh, Object, Scene, SceneError};
 
 use super::instances::{INSTANCE_WORDS, Instance, Sharing};
 use super::limits::DeviceLimits;
-use crate::ray::BinaryBuilder;
+use super::tree::{DeviceTrees, Tree};
+use crate::ray::Primitive;
 
 /// Words of a node: lowest corner, number of triangles (0: an inner node, 2³² − 1: an instance), highest corner, first child or
 /// triangle, or the instance.
@@ -26,7 +26,7 @@ pub(super) const NO_LIGHT: u32 = u32::MAX;
 /// Number of triangles of a node that stands for an instance, whose number is that of the first triangle.
 const AN_INSTANCE: u32 = u32::MAX;
 /// Greatest height of a tree and those of the meshes below it: as many nodes may wait on the way down.
-pub const MOST_LEVELS: u32 = 64;
+pub(super) const MOST_LEVELS: u32 = 64;
 
 /// Attributes of a triangle: three normals, then what the scene's materials need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,12 +82,13 @@ impl Triangles {
     /// The triangles of all objects in their places.
     ///
     /// `stays` says whether an object is in the world in any case, and `light_of` gives the number of a triangle of it among the
-    /// lights.
+    /// lights. Trees that are kept are not built anew.
     pub(super) fn new(
         scene: &Scene,
         limits: &DeviceLimits,
         stays: impl Fn(u32) -> bool,
         light_of: impl Fn(u32, u32) -> Option<u32>,
+        kept: &mut DeviceTrees,
     ) -> Result<Self, SceneError> {
         let (sharing, layout, [stored, words]) = sorted(scene, limits, stays)?;
         let Sharing { apart, instances, meshes } = sharing;
@@ -97,13 +98,15 @@ impl Triangles {
         };
         let places: Vec<(u32, u32)> = apart.iter().flat_map(of).collect();
         let in_world = |&(object, number): &(u32, u32)| {
-            triangle_box(scene.objects[object as usize].vertices(number as usize))
+            triangle_box(scene.objects[object as usize].vertices(number as usize), number)
         };
         let mut boxes: Vec<Aabb> = places.par_iter().map(in_world).collect();
         boxes.extend(instances.iter().map(|instance| instance.placement.aabb));
-        let world = Tree::new(&boxes);
-        let trees: Vec<Tree> = meshes.par_iter().map(|mesh| Tree::new(&mesh_boxes(mesh))).collect();
-        let levels = world.height() + trees.iter().map(Tree::height).max().unwrap_or(0);
+        let of_meshes = meshes.iter().map(|mesh| mesh_boxes(mesh));
+        let boxes: Vec<Vec<Aabb>> = std::iter::once(boxes).chain(of_meshes).collect();
+        let trees = kept.over(&boxes);
+        let (world, trees) = (&trees[0], &trees[1..]);
+        let levels = world.height() + trees.iter().map(|tree| tree.height()).max().unwrap_or(0);
         let waiting = DeviceLimits { array_bytes: MOST_LEVELS.into() };
         waiting.check("levels of boxes around its triangles", levels.into(), 1)?;
 
@@ -115,7 +118,7 @@ impl Triangles {
             instances: instances.len(),
         };
         new.nodes.resize(INSTANCE_WORDS * instances.len(), 0);
-        let mut leaves = Vec::with_capacity(boxes.len());
+        let mut leaves = Vec::with_capacity(boxes[0].len());
         for number in &world.order {
             if let Some(&(object, triangle)) = places.get(*number as usize) {
                 leaves.push([1, new.count()]);
@@ -125,13 +128,13 @@ impl Triangles {
                 leaves.push([AN_INSTANCE, number - places.len() as u32]);
             }
         }
-        new.push_nodes(&world, |leaf| leaves[leaf as usize]);
-        new.push_meshes(&meshes, &trees, &instances);
+        new.push_nodes(world, |leaf| leaves[leaf as usize]);
+        new.push_meshes(&meshes, trees, &instances);
         Ok(new)
     }
 
     /// Appends shared meshes with their trees, and states the words of their instances.
-    fn push_meshes(&mut self, meshes: &[&Arc<Mesh>], trees: &[Tree], instances: &[Instance<'_>]) {
+    fn push_meshes(&mut self, meshes: &[&Arc<Mesh>], trees: &[Arc<Tree>], instances: &[Instance<'_>]) {
         let mut first = self.count();
         let mut starts = Vec::with_capacity(meshes.len());
         for (mesh, tree) in meshes.iter().zip(trees) {
@@ -229,44 +232,16 @@ fn sorted<'a>(
     Ok((sharing, layout, [stored, words]))
 }
 
-/// A binary tree over boxes, one a leaf.
-struct Tree {
-    nodes: Vec<Bvh2Node>,
-    /// The numbers of the boxes in the order of the leaves.
-    order: Vec<u32>,
-}
-
-impl Tree {
-    fn new(boxes: &[Aabb]) -> Self {
-        let mut builder = BinaryBuilder::default();
-        if !boxes.is_empty() {
-            builder.build(boxes);
-        }
-        let (nodes, order) = builder.into_parts();
-        Self { nodes, order }
-    }
-
-    /// Greatest number of nodes above a leaf.
-    fn height(&self) -> u32 {
-        let mut highest = 0;
-        let mut open = vec![(0, 0)];
-        while let Some((node, above)) = open.pop() {
-            highest = highest.max(above);
-            if let Some(node) = self.nodes.get(node as usize).filter(|node| !node.is_leaf()) {
-                open.extend([0, 1].map(|child| (node.first_index + child, above + 1)));
-            }
-        }
-        highest
-    }
-}
-
-fn triangle_box([a, b, c]: [Vec3; 3]) -> Aabb {
-    Triangle { v0: a.into(), v1: b.into(), v2: c.into() }.aabb()
+/// The box of a triangle of a number, with the processor's room for rounding errors.
+fn triangle_box(vertices: [Vec3; 3], triangle: u32) -> Aabb {
+    Primitive { vertices, object: 0, triangle, group: 0 }.aabb()
 }
 
 fn mesh_boxes(mesh: &Mesh) -> Vec<Aabb> {
-    let box_of = |corners: &[u32; 3]| triangle_box(corners.map(|corner| mesh.positions[corner as usize]));
-    mesh.triangles.par_iter().map(box_of).collect()
+    let box_of = |(corners, triangle): (&[u32; 3], u32)| {
+        triangle_box(corners.map(|corner| mesh.positions[corner as usize]), triangle)
+    };
+    mesh.triangles.par_iter().zip(0..mesh.triangles.len() as u32).map(box_of).collect()
 }
 
 /// Tangents along u, whose sum counts before it is made perpendicular to the shading normal, and the sign of the bitangent; 0

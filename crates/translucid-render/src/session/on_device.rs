@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use translucid_scene::SceneError;
 
-use crate::device::{DeviceScene, TracingDevice};
+use crate::device::{DeviceScene, DeviceTrees, TracingDevice};
 use crate::render::{Goal, LiveFilm, Outcome, PathTracing, PreparedScene, SampleProgress, View, render_on};
 
 /// A device, and the scene on it once a picture of it is asked for.
@@ -13,6 +13,8 @@ pub struct OnDevice {
     device: Arc<dyn TracingDevice>,
     is_preferred: bool,
     state: State,
+    /// The trees of the scene before the last edit.
+    trees: DeviceTrees,
 }
 
 enum State {
@@ -26,12 +28,12 @@ enum State {
 impl OnDevice {
     /// A device that has to trace whatever comes.
     pub fn required(device: Arc<dyn TracingDevice>) -> Self {
-        Self { device, is_preferred: false, state: State::Stale }
+        Self { device, is_preferred: false, state: State::Stale, trees: DeviceTrees::default() }
     }
 
     /// A device in whose place the processor traces the scenes that it cannot take.
     pub fn preferred(device: Arc<dyn TracingDevice>) -> Self {
-        Self { device, is_preferred: true, state: State::Stale }
+        Self { is_preferred: true, ..Self::required(device) }
     }
 
     /// Has the device take the scene anew with the next picture: after an edit, or where pixels are filtered otherwise.
@@ -47,7 +49,7 @@ impl OnDevice {
         if !matches!(self.state, State::Stale) {
             return Ok(());
         }
-        let opened = DeviceScene::new(prepared, view, &self.device.limits())
+        let opened = DeviceScene::edited(prepared, view, &self.device.limits(), &mut self.trees)
             .and_then(|scene| Arc::clone(&self.device).open(&scene).map_err(SceneError::new));
         self.state = match opened {
             Ok(tracing) => State::Open(tracing),

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use translucid_gpu::program;
-use translucid_render::device::DeviceScene;
+use translucid_render::device::{DeviceScene, DeviceTrees};
 use translucid_render::{AT_ONCE, FilmSums, Fraction, LiveFilm, Outcome, View, add_samples};
 
 use super::{Engine, Work};
@@ -32,18 +32,19 @@ pub(super) struct Script {
     jobs: u32,
     job: Option<Job>,
     state: State,
-    /// Why the device is lost.
-    loss: Option<String>,
+    /// The trees of the scene that the device was given last.
+    trees: DeviceTrees,
 }
 
 /// Whether a script's device can trace.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 enum State {
     /// Its kernels are not made yet.
     #[default]
     Unready,
     Ready,
-    Lost,
+    /// The device is lost, for a reason in words.
+    Lost(String),
 }
 
 struct Job {
@@ -106,7 +107,8 @@ impl Engine<'_> {
         let is_new = work.on_script == Scene::Stale;
         if is_new {
             let device = self.shared.settings.devices.by_script.as_ref()?;
-            let taken = DeviceScene::new(&self.prepared, &work.view, &device.limits);
+            let taken =
+                DeviceScene::edited(&self.prepared, &work.view, &device.limits, &mut self.script.trees);
             let work = self.sides[side].as_mut()?;
             work.refusal = taken.as_ref().err().map(ToString::to_string);
             work.on_script = if work.refusal.is_none() { Scene::Given } else { Scene::Refused };
@@ -170,16 +172,17 @@ impl Engine<'_> {
 
     /// Leaves the script's job, and all pictures from now on, to the processor, for a reason in words.
     pub(crate) fn lose_script(&mut self, reason: &str) {
-        (self.script.job, self.script.state) = (None, State::Lost);
-        self.script.loss = Some(reason.to_owned());
+        (self.script.job, self.script.state) = (None, State::Lost(reason.to_owned()));
         self.recall_loss();
         self.tell_notes();
     }
 
     /// A device that is lost is still so where it is chosen again.
     pub(super) fn recall_loss(&mut self) {
-        if self.is_by_script() && self.script.state == State::Lost {
-            self.device_fault.clone_from(&self.script.loss);
+        if let State::Lost(reason) = &self.script.state
+            && self.is_by_script()
+        {
+            self.device_fault = Some(reason.clone());
         }
     }
 }

@@ -6,11 +6,16 @@
 const GROUP_WORDS = 8u;
 const CLUSTER_WORDS = 15u;
 const SURFEL_WORDS = 4u;
-// Cells of a smooth profile, and words of its row: surface albedo, unit, four words of each cell, bounds of the curvature.
-const SMOOTH_CELLS = 544u;
-const SMOOTH_WORDS = 2722u;
-const SMOOTH_FIRST: f32 = 9.5367432e-7; // 2^-20
-const SMOOTH_END = 16384.0;
+// A smooth profile has so many octaves below and above its unit, and two to the power of this cells an octave.
+const OCTAVES_BELOW = 20u;
+const OCTAVES_ABOVE = 14u;
+const CELL_BITS = 4u;
+const SMOOTH_CELLS = (OCTAVES_BELOW + OCTAVES_ABOVE) << CELL_BITS;
+// Words of its row: surface albedo, unit, four words of each cell, bounds of the curvature.
+const SMOOTH_WORDS = 2u + 5u * SMOOTH_CELLS;
+// Bits of the first radius and of the end.
+const SMOOTH_FIRST = (127u - OCTAVES_BELOW) << 23u;
+const SMOOTH_END = (127u + OCTAVES_ABOVE) << 23u;
 
 const SOFTENING = 0.5;
 const NEIGHBORHOOD = 2.0;
@@ -55,19 +60,20 @@ fn smooth_rows(profile: u32, exit: Below, unit_length: f32) -> SmoothRows {
 // Density per area, its slope and second derivative, and no less than the last two over all radii from `least` on.
 fn smooth_at(row: u32, t: f32, least: f32) -> vec4f {
     var jet = vec4f(0.0);
-    if (t < SMOOTH_END) {
-        let bits = bitcast<u32>(max(t, SMOOTH_FIRST));
-        let at = row + 4u * ((bits - bitcast<u32>(SMOOTH_FIRST)) >> 19u);
+    // Bits of positive numbers rise as these do
+    let bits = max(bitcast<u32>(t), SMOOTH_FIRST);
+    if (bits < SMOOTH_END) {
+        let at = row + 4u * ((bits - SMOOTH_FIRST) >> (23u - CELL_BITS));
         let c = vec4f(tables[at], tables[at + 1u], tables[at + 2u], tables[at + 3u]);
-        let theta = bitcast<f32>(0x3f800000u | ((bits << 4u) & 0x007fffffu)) - 1.0;
-        let per_width = bitcast<f32>((258u - (bits >> 23u)) << 23u);
+        let theta = bitcast<f32>(0x3f800000u | ((bits << CELL_BITS) & 0x007fffffu)) - 1.0;
+        let per_width = bitcast<f32>((254u + CELL_BITS - (bits >> 23u)) << 23u);
         jet.x = c.x + theta * (c.y + theta * (c.z + theta * c.w));
         jet.y = (c.y + theta * (2.0 * c.z + 3.0 * theta * c.w)) * per_width;
         jet.z = (2.0 * c.z + 6.0 * theta * c.w) * per_width * per_width;
     }
-    if (least < SMOOTH_END) {
-        let cell = (bitcast<u32>(max(least, SMOOTH_FIRST)) - bitcast<u32>(SMOOTH_FIRST)) >> 19u;
-        jet.w = tables[row + 4u * SMOOTH_CELLS + cell];
+    let least_bits = max(bitcast<u32>(least), SMOOTH_FIRST);
+    if (least_bits < SMOOTH_END) {
+        jet.w = tables[row + 4u * SMOOTH_CELLS + ((least_bits - SMOOTH_FIRST) >> (23u - CELL_BITS))];
     }
     return jet;
 }
@@ -182,7 +188,7 @@ fn shape_factor(material: u32, group: u32, exit: Below, position: vec3f) -> vec3
                 let surfel = start + SURFEL_WORDS * i;
                 let way = table_color(surfel) - place;
                 let radius = sqrt(dot(way, way) + SOFTENING * SOFTENING);
-                energy += smooth_jets(&rows, radius, SMOOTH_END).value * tables[surfel + 3u];
+                energy += smooth_jets(&rows, radius, NEVER).value * tables[surfel + 3u];
             }
         }
     }

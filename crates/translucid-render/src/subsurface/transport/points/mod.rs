@@ -22,9 +22,9 @@ mod hierarchy;
 mod irradiance;
 mod patches;
 mod plan;
-mod smooth_profile;
+pub(crate) mod smooth_profile;
 mod surfels;
-mod words;
+pub(crate) mod words;
 
 pub(crate) use cloud::{CloudGroup, PointSettings, serve};
 pub use cloud::{PointCloud, PointPass, PointProgress};

@@ -10,14 +10,14 @@
 use translucid_profile::ProfileViewF32;
 
 /// Cells an octave of the radius: 2 to the power of this.
-const CELL_BITS: u32 = 4;
+pub(crate) const CELL_BITS: u32 = 4;
 /// Fraction bits of an `f32`.
 const FRACTION_BITS: u32 = 23;
 /// Number of mantissa bits below the cell's.
 const SHIFT: u32 = FRACTION_BITS - CELL_BITS;
 /// Octaves below and above the profile's scale that the table spans.
-const OCTAVES_BELOW: u32 = 20;
-const OCTAVES_ABOVE: u32 = 14;
+pub(crate) const OCTAVES_BELOW: u32 = 20;
+pub(crate) const OCTAVES_ABOVE: u32 = 14;
 const CELLS: usize = ((OCTAVES_BELOW + OCTAVES_ABOVE) << CELL_BITS) as usize;
 /// Bits of the table's first radius, 2⁻²⁰, in units of the scale.
 const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << FRACTION_BITS;

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::gather::{Gatherer, MaterialProfile};
-use super::hierarchy::PointCluster;
+use super::hierarchy::{PointCluster, TreePoint};
 
-/// Words of a group of points.
-const GROUP_WORDS: usize = 8;
+/// Words of a group of points, of a cluster and of a point.
+pub(crate) const GROUP_WORDS: usize = 8;
+pub(crate) const CLUSTER_WORDS: usize = 15;
+pub(crate) const SURFEL_WORDS: usize = 4;
 
 impl Gatherer {
     /// The points for a device: tolerance and number of groups, and for each of them the halves of its number, the lower
@@ -18,10 +20,10 @@ impl Gatherer {
             let clusters_at = words.len();
             words.extend(group.tree.nodes.iter().flat_map(cluster_words));
             let points_at = words.len();
-            for point in &group.tree.points {
-                words.extend(point.position.to_array());
-                words.push(point.area);
-            }
+            let points = group.tree.points.iter();
+            let point_words =
+                |point: &TreePoint| -> [f32; SURFEL_WORDS] { point.position.extend(point.area).to_array() };
+            words.extend(points.flat_map(point_words));
             let [low, high] = [group.number & 0xffff, group.number >> 16].map(|half| half as f32);
             let [x, y, z] = group.tree.origin.as_vec3().to_array();
             let [clusters_at, points_at] = [clusters_at, points_at].map(|place| place as f32);
@@ -52,7 +54,7 @@ impl MaterialProfile {
 }
 
 /// Center, radius, area, the upper half of the spread, the second moment for light of 1, second child, first point, points.
-fn cluster_words(cluster: &PointCluster) -> [f32; 15] {
+fn cluster_words(cluster: &PointCluster) -> [f32; CLUSTER_WORDS] {
     let [x, y, z] = cluster.center.to_array();
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = cluster.spread.to_cols_array_2d();
     let [right, start, count] = [cluster.right, cluster.start, cluster.count].map(|number| number as f32);
