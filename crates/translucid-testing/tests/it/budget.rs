@@ -24,7 +24,7 @@ const BUDGETS: [(&str, usize); 21] = [
     ("translucid-python", 5270),
     ("translucid-reference", 10990),
     ("translucid-render", 19240),
-    ("translucid-scene", 3910),
+    ("translucid-scene", 3930),
     ("translucid-shapes", 2140),
     ("translucid-testing", 200),
     ("translucid-view", 3560),
