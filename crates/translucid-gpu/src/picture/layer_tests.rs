@@ -194,7 +194,7 @@ fn slabs_let_through_what_exact_layers_do() {
     let dark = [([6.0, 3.0, 1.0], 0.15), ([1.0, 0.2, 2.0], 0.5), ([0.1, 0.0, 0.5], 0.2)];
     let dark = dark.map(|(absorption, thickness)| layer(thickness, [0.0; 3], absorption, 0.0));
     let absorbing = Material {
-        subsurface_color: ColorInput::constant(Vec3::ZERO),
+        subsurface_color: ColorInput::constant(Vec3::splat(0.02)),
         ..layered(WalkSurface::Clear, dark.to_vec())
     };
     for (material, cosine) in [(&absorbing, 0.8_f32), (&scattering, 1.0), (&scattering, 0.5)] {
