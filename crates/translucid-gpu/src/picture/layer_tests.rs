@@ -5,17 +5,18 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use translucid_profile::{AlbedoInversion, Configuration, Parameterization};
 use translucid_reference::Incidence;
 use translucid_reference::layers::{Ground, Layer, Layers, Totals};
 use translucid_render::FilmLayer;
 use translucid_render::PreparedScene;
-use translucid_render::device::{DeviceLimits, DeviceScene};
+use translucid_render::device::{DeviceLimits, DeviceScene, Header};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, LayerMedium, Light, Material, Mesh, Object, Projection,
     ScalarInput, Scene, SubsurfaceLayer, WalkSurface,
 };
+use translucid_shapes::{ShapeParameters, build_shape};
 use translucid_testing::{SplitMix, bound, is_thorough, power};
 
 use super::evaluate::Evaluation;
@@ -194,7 +195,7 @@ fn slabs_let_through_what_exact_layers_do() {
     let dark = [([6.0, 3.0, 1.0], 0.15), ([1.0, 0.2, 2.0], 0.5), ([0.1, 0.0, 0.5], 0.2)];
     let dark = dark.map(|(absorption, thickness)| layer(thickness, [0.0; 3], absorption, 0.0));
     let absorbing = Material {
-        subsurface_color: ColorInput::constant(Vec3::ZERO),
+        subsurface_color: ColorInput::constant(Vec3::splat(0.02)),
         ..layered(WalkSurface::Clear, dark.to_vec())
     };
     for (material, cosine) in [(&absorbing, 0.8_f32), (&scattering, 1.0), (&scattering, 0.5)] {
@@ -294,6 +295,32 @@ fn walks_between_clear_surfaces_have_the_light_of_the_processor() {
             );
         }
     }
+}
+
+/// Objects of a body with layers are in the world, whatever share their mesh, and whichever of them has the layers.
+#[test]
+fn bodies_with_layers_share_no_mesh() {
+    let instances = |layers: Vec<SubsurfaceLayer>| {
+        let parameters = ShapeParameters::new().with("segments", 256.0).with("tube_segments", 128.0);
+        let mesh = Arc::new(build_shape("torus", &parameters).unwrap());
+        let object = |i: u32| Object {
+            mesh: Arc::clone(&mesh),
+            world_from_local: Affine3A::from_translation(Vec3::X * 4.0 * i as f32),
+            material: usize::from(i == 1),
+            subsurface_group: i / 2,
+            ..Object::default()
+        };
+        let scene = Scene {
+            objects: (0..6).map(object).collect(),
+            materials: vec![layered(WalkSurface::Clear, vec![]), layered(WalkSurface::Clear, layers)],
+            ..Scene::default()
+        };
+        let prepared = PreparedScene::new(scene).unwrap();
+        let view = prepared.view().unwrap();
+        let device = DeviceScene::new(&prepared, &view, &DeviceLimits { array_bytes: 1 << 27 }).unwrap();
+        device.tables[Header::Instances as usize]
+    };
+    assert_eq!([instances(vec![]), instances(skin(0.0))], [6.0, 4.0]);
 }
 
 /// Distances from points to the triangles of a group are those of a loop over all of them.

@@ -134,7 +134,7 @@ fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32,
         return;
     }
     let skipped = (*met).offset / max(cosine, 0.1);
-    (*shadow).origin = (*met).position + direction * skipped - normal * ((*met).offset - skipped * cosine);
+    (*shadow).origin = (*met).position - normal * ((*met).offset - skipped * cosine);
     (*shadow).stage = BODY_SHADOW;
     (*shadow).sigma_t = select(vec3f(NEVER), 1.0 / max((*met).length, vec3f(1e-30)), scatters);
     (*shadow).share = vec3f(0.0);
@@ -144,7 +144,8 @@ fn enter_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, rest: f32,
     (*shadow).depth = 0.0;
     (*shadow).side = side;
     (*shadow).offset = (*met).offset;
-    (*shadow).done = 0.0;
+    // The ray begins below the surface, the way on it
+    (*shadow).done = skipped;
     // Beyond, the last channel is dark
     let shells = shells_around((*met).material, (*shadow).sigma_t, (*met).offset);
     let least = min(shells.least.x, min(shells.least.y, shells.least.z));
