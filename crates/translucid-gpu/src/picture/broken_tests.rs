@@ -20,7 +20,6 @@ const EDGE: u32 = 16;
 fn everything() -> Scene {
     let mut scene = scene_of_everything();
     for material in &mut scene.materials {
-        material.layers.clear();
         if material.subsurface_color.texture.is_some() {
             material.subsurface_texture_at = SubsurfaceTextureAt::Both;
             material.subsurface_normalization = SubsurfaceNormalization::Energy;

@@ -108,8 +108,10 @@ impl World {
         if distance >= reach.distance {
             return None;
         }
+        // As paths look below
+        let brightest = medium.brightest(albedo);
         let mut surface =
-            surface::parameters_at(&self.scene, material, point).with_subsurface(albedo, scatters);
+            surface::parameters_at(&self.scene, material, point).with_subsurface(brightest, scatters);
         if soft {
             surface = surface.seen_softly();
         }

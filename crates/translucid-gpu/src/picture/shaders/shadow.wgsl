@@ -93,6 +93,10 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
         if (is_soft) {
             seen = surface_seen_softly(p);
         }
+        if (is_body) {
+            // As paths look below
+            seen.surface_albedo = max(seen.surface_albedo, table_color(shell_words((*met).material) + BRIGHTEST_SHELL));
+        }
         if (is_wall) {
             normal = facing(normal, (*met).geometric, -direction);
         }
