@@ -44,7 +44,7 @@ fn constants_are_those_of_the_shaders() {
         ("SAMPLE_WORDS", SAMPLE_WORDS),
         ("COUNTERS", COUNTERS as usize),
         ("RAYS", LIST_COUNTERS.start as usize),
-        ("PROBES", LIST_COUNTERS.end as usize - 1),
+        ("SHADOW_DEPTHS", LIST_COUNTERS.end as usize - 1),
     ];
     for (name, value) in shader_constants().chain(own) {
         assert_eq!(constant(name), value as f32, "{name}");

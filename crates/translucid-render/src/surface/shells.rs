@@ -233,6 +233,10 @@ impl<'a> Shells<'a> {
             if place.free * densest > 1.0 {
                 let step = place.free.min(distance - way);
                 transmittance *= (-more * step).exp();
+                if way + step == way {
+                    // Rounding has swallowed the step
+                    return Vec3::ZERO;
+                }
                 way += step;
                 place = self.place(body, from + direction * way);
             } else {

@@ -108,15 +108,16 @@ impl World {
         if distance >= reach.distance {
             return None;
         }
+        let normal = surface::shading_normal_at(&self.scene, material, point);
         // As paths look below
-        let brightest = medium.brightest(albedo);
+        let brightest = if direction.dot(normal) < 0.0 { medium.brightest(albedo) } else { albedo };
         let mut surface =
             surface::parameters_at(&self.scene, material, point).with_subsurface(brightest, scatters);
         if soft {
             surface = surface.seen_softly();
         }
-        let frame = Frame::from_normal(surface::shading_normal_at(&self.scene, material, point));
-        let seen = Bsdf::new(&surface, self.surfaces.of(index), frame.to_local(-direction)).below();
+        let wo = Frame::from_normal(normal).to_local(-direction);
+        let seen = Bsdf::new(&surface, self.surfaces.of(index), wo).below();
         let mut attenuation = Vec3::select(scatters, -distance / length, Vec3::NEG_INFINITY).exp();
         if let Some(shells) = &shells {
             let bits = point.position.to_array().map(|x| u64::from(x.to_bits()));

@@ -9,6 +9,8 @@ const SHELL_WORDS = 8u;
 const SHELL_SIGMA_T = 1u;
 const SHELL_ALPHA = 4u;
 const SHELL_G = 7u;
+// Part of a sum below which a summand is rounded away.
+const SWALLOWED = 6e-8;
 // Greatest depth, whose square is a number.
 const DEEPEST = 1e18;
 
@@ -206,6 +208,10 @@ fn step_in_shells(shadow: ptr<function, Shadow>, shells: ptr<function, Shells>) 
     if (here.free * densest > 1.0) {
         let step = min(here.free, (*shadow).length - (*shadow).done);
         (*shadow).share *= exp(-min((here.sigma_t - (*shells).least) * step, vec3f(80.0)));
+        if (here.free <= SWALLOWED * (*shadow).done) {
+            // It would be taken for ever
+            (*shadow).share = vec3f(0.0);
+        }
         (*shadow).done += step;
         return false;
     }

@@ -93,7 +93,7 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
         if (is_soft) {
             seen = surface_seen_softly(p);
         }
-        if (is_body) {
+        if (is_body && dot(direction, normal) < 0.0) {
             // As paths look below
             seen.surface_albedo = max(seen.surface_albedo, table_color(shell_words((*met).material) + BRIGHTEST_SHELL));
         }

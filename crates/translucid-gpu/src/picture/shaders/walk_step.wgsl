@@ -222,8 +222,12 @@ fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<
             return;
         }
     }
-    (*walk).start += (*walk).direction * way;
-    if (is_lost((*walk).start)) {
+    let step = (*walk).direction * way;
+    // To where another medium may be: a step that rounding swallows would be taken for ever
+    let is_swallowed = all(abs(step) <= SWALLOWED * abs((*walk).start));
+    let is_stuck = ((*path).flags & AT_LIMIT) != 0u && way > 0.0 && is_swallowed;
+    (*walk).start += step;
+    if (is_lost((*walk).start) || is_stuck) {
         (*path).work = ENDED;
     } else if (tables[shell_words((*walk).material)] > 0.0) {
         (*path).work = WALK_DEPTH;

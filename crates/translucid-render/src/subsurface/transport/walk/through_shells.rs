@@ -26,7 +26,8 @@ impl Walk<'_> {
             let flights = Flights::new(flight.sigma_t);
             let length = flights.sample(self.throughput, u);
             let reached = length.min(flight.limit);
-            match self.body.fly(self.at, self.direction, (reached - skipped).max(0.0)) {
+            let (before, way) = (self.at.position, (reached - skipped).max(0.0));
+            match self.body.fly(self.at, self.direction, way) {
                 FlightEnd::Boundary { distance, hit } => {
                     self.throughput = flights.pass(self.throughput, distance + skipped);
                     *place = shells.at_surface();
@@ -53,9 +54,10 @@ impl Walk<'_> {
                 }
                 self.throughput *= (1.0 - part) / (1.0 - share);
             }
-            // A NaN, too, is the end
+            // A NaN, too, is the end, and a step that rounding has swallowed, which would be taken for ever
             let is_lit = self.throughput.element_sum() > 0.0;
-            if !is_lit || self.body.is_lost(&self.at) {
+            let is_stuck = length > flight.limit && way > 0.0 && self.at.position == before;
+            if !is_lit || is_stuck || self.body.is_lost(&self.at) {
                 self.throughput = Vec3::ZERO;
                 return None;
             }
