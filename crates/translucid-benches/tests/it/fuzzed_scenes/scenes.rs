@@ -115,6 +115,10 @@ fn camera(text: &mut Text, random: &mut Random, places: &[Vec3], size: f64) {
     text.set_vector("target", target);
     text.set_vector("up", random.cube());
     text.set_number("fov", random.pick(&[1e-40, 1e-3, 45.0, 90.0, 179.9, 180.0 - 1e-5]));
-    text.set_number("lens_radius", random.pick(&[0.0, 0.0, 1e-40, 0.1 * size, (1e3 * size).min(1e9)]));
-    text.set_number("focus_distance", random.pick(&[1e-40, 1e-9, size, 1e9]));
+    let lens_radius = random.pick(&[0.0, 0.0, 1e-40, 0.1 * size, (1e3 * size).min(1e9)]);
+    let focus_distance = random.pick(&[1e-40, 1e-9, size, 1e9]);
+    // Wider ones are refused
+    let widest = 250.0 * focus_distance.max(position.as_dvec3().distance(target.as_dvec3()));
+    text.set_number("lens_radius", lens_radius.min(widest));
+    text.set_number("focus_distance", focus_distance);
 }
