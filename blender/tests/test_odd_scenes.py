@@ -265,7 +265,7 @@ SEEN = {
     "names like those of others": (named_like_others, None),
     "the camera in a body": (camera_inside, "material wax: the camera may see nothing, because it is inside the body of object Suzanne"),
     "an orthographic lens": (of_the_camera(orthographic_with_lens), None),
-    "an f-number of 0": (of_the_camera(without_f_number), None),
+    "an f-number of 0": (of_the_camera(without_f_number), "camera camera: a lens above 255 times the distance in focus"),
     "a panorama": (
         of_the_camera(lambda camera: setattr(camera, "type", "PANO")),
         "camera camera: a camera of type Pano cannot be translated; it is perspective",

@@ -4,6 +4,10 @@
 import numpy as np
 
 
+# Radius of the widest lens in distances to what is seen; those above 256 are refused.
+WIDEST = 255
+
+
 def camera_keys(world_from_camera, projection, lens=None):
     """The keys of a camera.
 
@@ -30,7 +34,9 @@ def camera_keys(world_from_camera, projection, lens=None):
     if max(map(abs, shift)) > 1e-7:
         keys["shift"] = shift
     if lens is not None:
-        keys["lens_radius"], keys["focus_distance"] = lens
+        radius, focus = lens
+        reach = max(focus, float(np.linalg.norm(position - np.array(keys["target"]))))
+        keys["lens_radius"], keys["focus_distance"] = min(radius, WIDEST * reach), focus
     return keys
 
 
@@ -64,7 +70,10 @@ def scene_camera(camera_object, depsgraph, width, height, report, eye=None):
     if camera.dof.use_dof and camera.dof.aperture_blades:
         report.add(where, None, "a lens with blades cannot be translated; it is round")
     projection = camera_object.calc_matrix_camera(depsgraph, x=width, y=height)
-    keys = camera_keys(eye[0] if eye else camera_object.matrix_world, projection, lens_of(camera_object))
+    lens = lens_of(camera_object)
+    keys = camera_keys(eye[0] if eye else camera_object.matrix_world, projection, lens)
+    if lens is not None and keys["lens_radius"] < lens[0]:
+        report.add(where, None, f"a lens above {WIDEST} times the distance in focus cannot be rendered; it is that wide")
     if eye and eye[1] != 0:
         x, y = keys.get("shift", (0.0, 0.0))
         keys["shift"] = [x + eye[1], y]
