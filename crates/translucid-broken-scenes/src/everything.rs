@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
-use translucid_scene::description::Slot;
+use translucid_scene::description::SceneSlot;
 use translucid_scene::{
     Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, LayerMedium, Light, Material, Mesh,
     NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceLayer,
@@ -102,8 +102,8 @@ fn textured(mut material: Material) -> Material {
     };
     for field in Material::DESCRIPTION.fields {
         match (field.slot)(&mut material) {
-            Slot::Scalar(input, _) => input.texture = Some((texture, Channel::Green)),
-            Slot::Color(input, _) => {
+            SceneSlot::Scalar(input, _) => input.texture = Some((texture, Channel::Green)),
+            SceneSlot::Color(input, _) => {
                 input.texture = Some(texture);
                 input.vertex_color = true;
             }

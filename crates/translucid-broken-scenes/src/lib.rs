@@ -5,7 +5,7 @@ mod everything;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use translucid_scene::description::{Part, Thing};
+use translucid_scene::description::{Part, Thing, Visit};
 use translucid_scene::{
     Camera, Environment, Film, Image, Integrator, Material, Mesh, Object, Pixels, ProfileRow, ProfileTable,
     Scene,
@@ -59,7 +59,7 @@ fn broken_scene(scene: &Scene, number: usize) -> BrokenScene {
 }
 
 /// A value that can be changed.
-enum Slot<'a> {
+enum SceneSlot<'a> {
     Number(&'a mut f32),
     Double(&'a mut f64),
     Count(&'a mut u32),
@@ -67,7 +67,7 @@ enum Slot<'a> {
     List(&'a mut dyn Cut),
 }
 
-impl Slot<'_> {
+impl SceneSlot<'_> {
     fn changes(&self) -> usize {
         match self {
             Self::Number(_) | Self::Double(_) => NUMBERS.len(),
@@ -127,7 +127,7 @@ impl<T: Clone> Cut for Vec<T> {
 }
 
 /// Receives the place and the slot of each value.
-type Visitor<'a> = dyn FnMut(&str, Slot<'_>) + 'a;
+type Visitor<'a> = dyn FnMut(&str, SceneSlot<'_>) + 'a;
 
 /// Shows every value of a scene; a new field of a type is an error here.
 fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
@@ -149,18 +149,18 @@ fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
     visit_described("camera", camera, &Camera::DESCRIPTION, v);
     visit_described("film", film, &Film::DESCRIPTION, v);
     visit_described("integrator", integrator, &Integrator::DESCRIPTION, v);
-    v("objects", Slot::List(objects));
+    v("objects", SceneSlot::List(objects));
     objects.iter_mut().for_each(|object| visit_object(object, v));
-    v("materials", Slot::List(materials));
+    v("materials", SceneSlot::List(materials));
     for material in materials {
         let name = format!("material {}", material.name);
         visit_described(&name, material, &Material::DESCRIPTION, v);
     }
-    v("images", Slot::List(images));
+    v("images", SceneSlot::List(images));
     images.iter_mut().for_each(|image| visit_image(Arc::make_mut(image), v));
-    v("profile_tables", Slot::List(profile_tables));
+    v("profile_tables", SceneSlot::List(profile_tables));
     profile_tables.iter_mut().for_each(|table| visit_table(table, v));
-    v("lights", Slot::List(lights));
+    v("lights", SceneSlot::List(lights));
     for (i, light) in lights.iter_mut().enumerate() {
         let name = format!("light {i} ({})", light.kind());
         let kind = light.description();
@@ -173,7 +173,7 @@ fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
 
 fn visit_numbers<'a>(place: &str, numbers: impl IntoIterator<Item = &'a mut f32>, v: &mut Visitor<'_>) {
     for (i, number) in numbers.into_iter().enumerate() {
-        v(&format!("{place}[{i}]"), Slot::Number(number));
+        v(&format!("{place}[{i}]"), SceneSlot::Number(number));
     }
 }
 
@@ -185,9 +185,9 @@ fn visit_vector(place: &str, vector: &mut Vec3, v: &mut Visitor<'_>) {
 fn visit_described<T: Clone>(name: &str, thing: &mut T, by: &Thing<T>, v: &mut Visitor<'_>) {
     by.visit(thing, &mut |key, part| {
         let slot = match part {
-            Part::Number(number, _) => Slot::Number(number),
-            Part::Count(count, _) => Slot::Count(count),
-            Part::Index(index, _) => Slot::Index(index),
+            Part::Number(number, _) => SceneSlot::Number(number),
+            Part::Count(count, _) => SceneSlot::Count(count),
+            Part::Index(index, _) => SceneSlot::Index(index),
         };
         v(&format!("{name}, {key}"), slot);
     });
@@ -197,18 +197,18 @@ fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
     let Object { name, mesh, world_from_local, material, subsurface_group, is_movable: _ } = object;
     let place = |field: &str| format!("object {name}, {field}");
     let mut numbers = world_from_local.to_cols_array();
-    numbers.iter_mut().for_each(|number| v(&place("world_from_local"), Slot::Number(number)));
+    numbers.iter_mut().for_each(|number| v(&place("world_from_local"), SceneSlot::Number(number)));
     *world_from_local = Affine3A::from_cols_array(&numbers);
-    v(&place("material"), Slot::Index(material));
-    v(&place("subsurface_group"), Slot::Count(subsurface_group));
+    v(&place("material"), SceneSlot::Index(material));
+    v(&place("subsurface_group"), SceneSlot::Count(subsurface_group));
     let Mesh { positions, normals, uvs, tangents, colors, triangles } = Arc::make_mut(mesh);
     let place = |field: &str| place(&format!("mesh, {field}"));
-    v(&place("positions"), Slot::List(positions));
-    v(&place("normals"), Slot::List(normals));
-    v(&place("uvs"), Slot::List(uvs));
-    v(&place("tangents"), Slot::List(tangents));
-    v(&place("colors"), Slot::List(colors));
-    v(&place("triangles"), Slot::List(triangles));
+    v(&place("positions"), SceneSlot::List(positions));
+    v(&place("normals"), SceneSlot::List(normals));
+    v(&place("uvs"), SceneSlot::List(uvs));
+    v(&place("tangents"), SceneSlot::List(tangents));
+    v(&place("colors"), SceneSlot::List(colors));
+    v(&place("triangles"), SceneSlot::List(triangles));
     for (list, name) in [(positions, "positions"), (normals, "normals"), (colors, "colors")] {
         for (i, vector) in list.iter_mut().enumerate() {
             visit_vector(&place(&format!("{name}[{i}]")), vector, v);
@@ -221,19 +221,19 @@ fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
         visit_numbers(&place(&format!("tangents[{i}]")), tangent.as_mut(), v);
     }
     for (i, corners) in triangles.iter_mut().enumerate() {
-        corners.iter_mut().for_each(|vertex| v(&place(&format!("triangles[{i}]")), Slot::Count(vertex)));
+        corners.iter_mut().for_each(|vertex| v(&place(&format!("triangles[{i}]")), SceneSlot::Count(vertex)));
     }
 }
 
 fn visit_image(image: &mut Image, v: &mut Visitor<'_>) {
     let Image { name, path: _, width, height, color_space: _, pixels } = image;
     let place = |field: &str| format!("image {name}, {field}");
-    v(&place("width"), Slot::Count(width));
-    v(&place("height"), Slot::Count(height));
+    v(&place("width"), SceneSlot::Count(width));
+    v(&place("height"), SceneSlot::Count(height));
     match pixels {
-        Pixels::Byte(pixels) => v(&place("pixels"), Slot::List(pixels)),
+        Pixels::Byte(pixels) => v(&place("pixels"), SceneSlot::List(pixels)),
         Pixels::Float(pixels) => {
-            v(&place("pixels"), Slot::List(pixels));
+            v(&place("pixels"), SceneSlot::List(pixels));
             pixels.iter_mut().for_each(|pixel| visit_numbers(&place("pixel"), pixel, v));
         }
     }
@@ -242,14 +242,14 @@ fn visit_image(image: &mut Image, v: &mut Visitor<'_>) {
 fn visit_table(table: &mut ProfileTable, v: &mut Visitor<'_>) {
     let ProfileTable { path, rows } = table;
     let place = |field: &str| format!("profile table {}, {field}", path.display());
-    v(&place("rows"), Slot::List(rows));
+    v(&place("rows"), SceneSlot::List(rows));
     for (i, row) in rows.iter_mut().enumerate() {
         let ProfileRow { surface_albedo, radii, reflectances, enclosed } = row;
         let place = |field: &str| place(&format!("rows[{i}], {field}"));
-        surface_albedo.iter_mut().for_each(|albedo| v(&place("surface_albedo"), Slot::Double(albedo)));
+        surface_albedo.iter_mut().for_each(|albedo| v(&place("surface_albedo"), SceneSlot::Double(albedo)));
         for (name, list) in [("radii", radii), ("reflectances", reflectances), ("enclosed", enclosed)] {
-            v(&place(name), Slot::List(list));
-            list.iter_mut().for_each(|number| v(&place(name), Slot::Double(number)));
+            v(&place(name), SceneSlot::List(list));
+            list.iter_mut().for_each(|number| v(&place(name), SceneSlot::Double(number)));
         }
     }
 }

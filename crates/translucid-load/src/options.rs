@@ -82,7 +82,7 @@ impl Floor {
             "none" => Some(Self::None),
             "backdrop" => Some(Self::Backdrop),
             "shadow" => Some(Self::Shadow),
-            _ => hexadecimal_color(text).map(|color| color.to_array()).or_else(grey).map(Self::Color),
+            _ => hexadecimal_color(text).or_else(grey).map(Self::Color),
         }
     }
 }

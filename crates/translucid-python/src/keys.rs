@@ -7,7 +7,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use translucid_load::Piece;
-use translucid_scene::description::{Content, Entry, Value};
+use translucid_scene::description::{Content, Entry, Value, image_value};
 use translucid_scene::{ColorSpace, Image, Pixels};
 
 use crate::arrays::{Any, Numbers, Rule};
@@ -203,7 +203,8 @@ impl<'a> Keys<'a> {
         let (width, height) = (width as u32, height as u32);
         // The key that names it says which color space bytes have
         let color_space = ColorSpace::Linear;
-        Ok(Arc::new(Image { name: image_name, path: None, width, height, color_space, pixels }).into())
+        let image = Image { name: image_name, path: None, width, height, color_space, pixels };
+        Ok(image_value(Arc::new(image)).into())
     }
 
     fn wrong(&self, name: &str, message: &str) -> PyErr {

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use translucid_scene::description::{Fallback, Field, Key, Slot, Thing};
+use translucid_scene::description::{Fallback, Field, Key, SceneSlot, Slot, Thing};
 use translucid_scene::{
     Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceLayer, SubsurfaceModel,
 };
@@ -91,44 +91,47 @@ fn table<T>(fields: &[Field<T>], mut plain: T, before: &[Key], after: &[Key]) ->
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by_key(|&i| group(rows[i].0));
     let mut text = String::from("| key | value | default |\n|---|---|---|\n");
-    before.iter().for_each(|key| text += &row(key, Slot::Absent, &[]));
+    before.iter().for_each(|key| text += &row(key, SceneSlot::Absent, &[]));
     order.into_iter().for_each(|i| text += &rows[i].1);
-    after.iter().for_each(|key| text += &row(key, Slot::Absent, &[]));
+    after.iter().for_each(|key| text += &row(key, SceneSlot::Absent, &[]));
     text
 }
 
-fn row(key: &Key, slot: Slot<'_>, keys: &'static [Key]) -> String {
+fn row(key: &Key, slot: SceneSlot<'_>, keys: &'static [Key]) -> String {
     let doc = key.doc.replace("{range}", &range(&slot)).replace("{words}", &words(&slot).join(", "));
     let default = match key.fallback {
         Fallback::Required => String::from("must be given"),
         Fallback::Number(x) => x.to_string(),
         Fallback::Words(words) => words.to_owned(),
         Fallback::Plain => {
-            let value = slot.write(keys).first().map_or(String::new(), |entry| format!("{:#}", entry.value));
+            let value = slot
+                .write(keys, [0.0; 3])
+                .first()
+                .map_or(String::new(), |entry| format!("{:#}", entry.value));
             if value.parse::<f64>().is_ok() { value } else { format!("`{value}`") }
         }
     };
     format!("| `{}` | {doc} | {default} |\n", key.name)
 }
 
-fn range(slot: &Slot<'_>) -> String {
+fn range(slot: &SceneSlot<'_>) -> String {
     match slot {
-        Slot::Number(_, range)
-        | Slot::Length(_, range)
-        | Slot::Angle(_, range)
-        | Slot::Pair(_, range)
-        | Slot::Scalar(_, range)
-        | Slot::Color(_, range) => format!("in {range}"),
-        Slot::Count(_, range) => range.to_string(),
-        Slot::Size(_, range) => format!("in [{}, {}]", range.low, range.high),
+        SceneSlot::Number(_, range)
+        | SceneSlot::Length(_, range)
+        | SceneSlot::Angle(_, range)
+        | SceneSlot::Pair(_, range)
+        | SceneSlot::Scalar(_, range)
+        | SceneSlot::Color(_, range) => format!("in {range}"),
+        SceneSlot::Count(_, range) => range.to_string(),
+        SceneSlot::Size(_, range) => format!("in [{}, {}]", range.low, range.high),
         _ => String::new(),
     }
 }
 
 /// The words of a slot as a scene file has them.
-fn words(slot: &Slot<'_>) -> Vec<String> {
+fn words(slot: &SceneSlot<'_>) -> Vec<String> {
     match slot {
-        Slot::Word(word) => word.names().iter().map(|name| format!("`\"{name}\"`")).collect(),
+        SceneSlot::Word(word) => word.names().iter().map(|name| format!("`\"{name}\"`")).collect(),
         _ => Vec::new(),
     }
 }
@@ -190,28 +193,28 @@ fn types<T>(thing: &Thing<T>) -> Vec<(&'static str, String)> {
             )
         };
         let of = match &slot {
-            Slot::Flag(_) => "bool",
-            Slot::Count(..) | Slot::Seed(_) => "int",
-            Slot::Number(..) | Slot::Length(..) | Slot::Angle(..) => "float",
-            Slot::Radiance(_) | Slot::Power(_) => "_Color",
-            Slot::Scalar(..) => "_Scalar | dict[str, Any]",
-            Slot::Color(..) => "_Color | dict[str, Any]",
-            Slot::NormalMap(_) => "_Path | ArrayLike | dict[str, Any]",
-            Slot::Image(_) => "_Path | ArrayLike",
-            Slot::Word(word) => &literal(&word.names()),
-            Slot::Projection(_) => {
+            SceneSlot::Flag(_) => "bool",
+            SceneSlot::Count(..) | SceneSlot::Seed(_) => "int",
+            SceneSlot::Number(..) | SceneSlot::Length(..) | SceneSlot::Angle(..) => "float",
+            SceneSlot::Radiance(_) | SceneSlot::Power(_) => "_Color",
+            SceneSlot::Scalar(..) => "_Scalar | dict[str, Any]",
+            SceneSlot::Color(..) => "_Color | dict[str, Any]",
+            SceneSlot::NormalMap(_) => "_Path | ArrayLike | dict[str, Any]",
+            SceneSlot::Image(_) => "_Path | ArrayLike",
+            SceneSlot::Word(word) => &literal(&word.names()),
+            SceneSlot::Projection(_) => {
                 all.extend([("projection", literal(&["perspective", "orthographic"]))]);
                 all.extend(["fov", "width"].map(|key| (key, String::from("float"))));
                 continue;
             }
-            Slot::Rotation(_) => {
+            SceneSlot::Rotation(_) => {
                 all.extend(
                     [("rotation", "float"), ("matrix", "ArrayLike")].map(|(key, of)| (key, of.to_owned())),
                 );
                 continue;
             }
-            Slot::Layers(_) => "Sequence[dict[str, Any]] | Literal[\"none\"]",
-            Slot::Model(_) => {
+            SceneSlot::Layers(_) => "Sequence[dict[str, Any]] | Literal[\"none\"]",
+            SceneSlot::Model(_) => {
                 all.push(("subsurface_model", literal(&SubsurfaceModel::ALL.map(SubsurfaceModel::name))));
                 all.push(("subsurface_table", String::from("_Path")));
                 continue;

@@ -2,9 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::description::{Counts, Fallback, Key, Rule, Slot, Thing, field};
-use crate::interval::Interval;
+use crate::description::{Counts, Fallback, Key, Rule, SceneSlot, Thing, field};
 use crate::{Projection, SceneError};
+use translucid_words::Interval;
 
 use Fallback::{Plain, Required, Words};
 
@@ -44,26 +44,26 @@ impl Default for Camera {
 }
 
 const PROJECTION: &[Key] = &[
-    Key {
-        name: "projection",
-        doc: "`\"perspective\"`, or `\"orthographic\"`: lines of sight are parallel, and nothing is seen that is behind the plane through `position`",
-        fallback: Words("`\"perspective\"`"),
-    },
-    Key {
-        name: "fov",
-        doc: "of a perspective: full horizontal angle of view of a picture without `shift`, in (0, 180)",
-        fallback: Words("40"),
-    },
-    Key {
-        name: "width",
-        doc: "of an orthographic projection: width of what the picture shows, a length > 0",
-        fallback: Words("must be given"),
-    },
+    Key::new(
+        "projection",
+        "`\"perspective\"`, or `\"orthographic\"`: lines of sight are parallel, and nothing is seen that is behind the plane through `position`",
+        Words("`\"perspective\"`"),
+    ),
+    Key::new(
+        "fov",
+        "of a perspective: full horizontal angle of view of a picture without `shift`, in (0, 180)",
+        Words("40"),
+    ),
+    Key::new(
+        "width",
+        "of an orthographic projection: width of what the picture shows, a length > 0",
+        Words("must be given"),
+    ),
 ];
 
 impl Camera {
     /// The key of a camera's name, in scene files alone.
-    pub const NAME_KEY: Key = Key { name: "name", doc: "text, for `--camera NAME`", fallback: Words("none") };
+    pub const NAME_KEY: Key = Key::new("name", "text, for `--camera NAME`", Words("none"));
 
     /// The camera by its keys.
     pub const DESCRIPTION: Thing<Self> = Thing {
@@ -71,16 +71,16 @@ impl Camera {
         doc: "where the picture is seen from",
         plain: Self::default,
         fields: &[
-            field!(Camera { position } => Slot::Point(position), "point: the middle of the lens", Required),
-            field!(Camera { target } => Slot::Point(target),
+            field!(Camera { position } => SceneSlot::Point(position), "point: the middle of the lens", Required),
+            field!(Camera { target } => SceneSlot::Point(target),
                 "point in the middle of a picture without `shift`, other than `position`", Required),
-            field!(Camera { up } => Slot::Vector(up), "direction of any length, not parallel to the view", Plain),
-            field!(Camera { projection } => Slot::Projection(projection); PROJECTION),
-            field!(Camera { shift } => Slot::Pair(shift, Interval::closed(-100.0, 100.0)),
+            field!(Camera { up } => SceneSlot::Vector(up), "direction of any length, not parallel to the view", Plain),
+            field!(Camera { projection } => SceneSlot::Projection(projection); PROJECTION),
+            field!(Camera { shift } => SceneSlot::Pair(shift, Interval::closed(-100.0, 100.0)),
                 "`[right, up]`: how far the picture's frame is moved on its plane, in widths of the picture, each {range}; `target` then is as far left of the picture's middle and below, and upright edges stay upright", Plain),
-            field!(Camera { lens_radius } => Slot::Length(lens_radius, Interval::LENGTH),
+            field!(Camera { lens_radius } => SceneSlot::Length(lens_radius, Interval::LENGTH),
                 "length ≥ 0, up to 256 times the distance to `target` or the plane in focus, whichever is greater; 0 is a pinhole", Plain),
-            field!(Camera { focus_distance } => Slot::Length(focus_distance, Interval::REACH),
+            field!(Camera { focus_distance } => SceneSlot::Length(focus_distance, Interval::REACH),
                 "length > 0 along the view", Words("the distance to `target`"))
             .when_missing(|camera| {
                 let distance = camera.position.as_dvec3().distance(camera.target.as_dvec3());
@@ -88,7 +88,7 @@ impl Camera {
             }),
         ],
         rules: &[
-            Rule {
+            Rule::Holds {
                 key: "target",
                 broken: |camera| {
                     let must_be = "a point other than the camera's position";
@@ -96,7 +96,7 @@ impl Camera {
                 },
                 help: "",
             },
-            Rule {
+            Rule::Holds {
                 key: "up",
                 broken: |camera| {
                     let must_be = "a direction that is not parallel to the viewing direction";
@@ -104,7 +104,7 @@ impl Camera {
                 },
                 help: "give camera.up, for example [0, 0, -1]",
             },
-            Rule {
+            Rule::Holds {
                 key: "lens_radius",
                 broken: |camera| {
                     let most = "at most 256 times the distance to `target` or the plane in focus, whichever is greater";
@@ -155,6 +155,6 @@ impl Camera {
     /// assert_eq!(camera.validate().unwrap_err().message, "camera, fov = 180: must be in (0, 180)");
     /// ```
     pub fn validate(&self) -> Result<(), SceneError> {
-        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("camera"))
+        Self::DESCRIPTION.check(self, &Counts::default()).map_err(|error| error.within("camera"))
     }
 }

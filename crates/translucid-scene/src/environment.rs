@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
-use crate::description::{Counts, Fallback, FileList, Item, Key, Slot, Table, Thing, field};
+use crate::description::{Counts, Fallback, FileList, Item, Key, SceneSlot, Table, Thing, field};
 use crate::{ColorSpace, ImageKind, SceneError};
 
 use Fallback::{Plain, Words};
@@ -28,25 +28,21 @@ impl Default for Environment {
     }
 }
 
-const FILE: &[Key] = &[Key {
-    name: "file",
-    doc: "latitude–longitude image; its middle is seen toward -z, its top toward +y",
-    fallback: Words("none"),
-}];
+const FILE: &[Key] = &[Key::new(
+    "file",
+    "latitude–longitude image; its middle is seen toward -z, its top toward +y",
+    Words("none"),
+)];
 
-const RADIANCE: &[Key] = &[Key {
-    name: "radiance",
-    doc: "color; a factor on the image where there is one",
-    fallback: Words("must be given without `file`, else 1"),
-}];
+const RADIANCE: &[Key] = &[Key::new(
+    "radiance",
+    "color; a factor on the image where there is one",
+    Words("must be given without `file`, else 1"),
+)];
 
 const ROTATION: &[Key] = &[
-    Key { name: "rotation", doc: "angle about +y, counter-clockwise from above", fallback: Words("0") },
-    Key {
-        name: "matrix",
-        doc: "in its place any rotation: nine numbers, row by row",
-        fallback: Words("none"),
-    },
+    Key::new("rotation", "angle about +y, counter-clockwise from above", Words("0")),
+    Key::new("matrix", "in its place any rotation: nine numbers, row by row", Words("none")),
 ];
 
 impl Environment {
@@ -56,10 +52,10 @@ impl Environment {
         doc: "light from all around",
         plain: Self::default,
         fields: &[
-            field!(Environment { radiance } => Slot::Radiance(radiance); RADIANCE),
-            field!(Environment { image } => Slot::Image(image); FILE),
-            field!(Environment { world_from_environment } => Slot::Rotation(world_from_environment); ROTATION),
-            field!(Environment { visible } => Slot::Flag(visible),
+            field!(Environment { radiance } => SceneSlot::Radiance(radiance); RADIANCE),
+            field!(Environment { image } => SceneSlot::Image(image); FILE),
+            field!(Environment { world_from_environment } => SceneSlot::Rotation(world_from_environment); ROTATION),
+            field!(Environment { visible } => SceneSlot::Flag(visible),
                 "whether the camera sees it other than through bodies and glass; if not the background is black with alpha 0", Plain),
         ],
         rules: &[],
@@ -92,6 +88,6 @@ impl Environment {
     /// A radiance is out of its range, there is no image of that index, or the matrix is not a rotation.
     pub fn validate(&self, images: usize) -> Result<(), SceneError> {
         let counts = Counts { images, ..Counts::default() };
-        Self::DESCRIPTION.check(self, counts).map_err(|error| error.within("environment"))
+        Self::DESCRIPTION.check(self, &counts).map_err(|error| error.within("environment"))
     }
 }

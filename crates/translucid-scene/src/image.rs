@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use crate::interval::{WholeInterval, refusal};
 use crate::{SceneError, Wrap};
+use translucid_words::{WholeInterval, refusal};
 
 /// Relation of stored values to linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

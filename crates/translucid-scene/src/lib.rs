@@ -17,9 +17,7 @@
 mod camera;
 pub mod description;
 mod environment;
-mod error;
 mod image;
-mod interval;
 mod light;
 mod material;
 mod mesh;
@@ -34,9 +32,7 @@ mod texture;
 
 pub use camera::Camera;
 pub use environment::Environment;
-pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, ImageKind, Pixels, SRGB_TABLE, linear_from_srgb};
-pub use interval::{Interval, WholeInterval};
 pub use light::Light;
 pub use material::{
     CameraVisibility, Configuration, LayerMedium, Material, SubsurfaceLayer, SubsurfaceModel,
@@ -53,3 +49,4 @@ pub use texture::{Channel, ColorInput, NormalMap, ScalarInput, TextureRef, Wrap}
 pub use translucid_display::ToneMapping;
 pub use translucid_profile::ProfileRow;
 pub use translucid_profile::convention::Unit;
+pub use translucid_words::{Error as SceneError, Interval, Place, Warning, WholeInterval};

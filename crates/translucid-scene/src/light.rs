@@ -5,8 +5,8 @@ use std::mem::discriminant;
 use glam::{DVec3, Vec3};
 
 use crate::SceneError;
-use crate::description::{Counts, Entry, Fallback, FileList, Key, Rule, Slot, Table, Thing, field};
-use crate::interval::Interval;
+use crate::description::{Counts, Entry, Fallback, FileList, Key, Rule, SceneSlot, Table, Thing, field};
+use translucid_words::Interval;
 
 use Fallback::{Number, Plain, Required, Words};
 
@@ -122,7 +122,7 @@ impl Light {
     /// As [`write`](Self::write), of a light in a scene of this [origin](crate::Scene::origin).
     pub fn write_at(&self, origin: DVec3) -> Vec<Entry> {
         let kind = self.description();
-        [vec![Entry::new("type", kind.name)], kind.write_at(self, origin)].concat()
+        [vec![Entry::new("type", kind.name)], kind.write_at(self, origin.to_array())].concat()
     }
 
     /// Checks every field of the light that messages know by this number.
@@ -131,37 +131,31 @@ impl Light {
     /// A number is out of its range, a direction has another length than 1, or the edges of a rectangle are not
     /// perpendicular.
     pub fn validate(&self, index: usize) -> Result<(), SceneError> {
-        let check = self.description().check(self, Counts::default());
+        let check = self.description().check(self, &Counts::default());
         check.map_err(|error| error.within(format_args!("light {index} ({})", self.kind())))
     }
 }
 
 /// Keys of a light that shines in a direction from a point.
-const AIM: &[Key] = &[
-    Key { name: "target", doc: "point that it faces", fallback: Words("this or a direction") },
-    DIRECTION,
-    UNIT_DIRECTION,
-];
+const AIM: &[Key] =
+    &[Key::new("target", "point that it faces", Words("this or a direction")), DIRECTION, UNIT_DIRECTION];
 
-const DIRECTION: Key = Key {
-    name: "direction",
-    doc: "direction that it faces, of any length",
-    fallback: Words("this or `target`"),
-};
+const DIRECTION: Key =
+    Key::new("direction", "direction that it faces, of any length", Words("this or `target`"));
 
-const UNIT_DIRECTION: Key = Key {
-    name: "unit_direction",
-    doc: "in its place a direction of length 1, which is taken as it is, to the last bit",
-    fallback: Words("none"),
-};
+const UNIT_DIRECTION: Key = Key::new(
+    "unit_direction",
+    "in its place a direction of length 1, which is taken as it is, to the last bit",
+    Words("none"),
+);
 
 /// Keys of a light that shines in a direction from infinity.
 const TOWARD: &[Key] = &[
-    Key {
-        name: "direction",
-        doc: "direction of any length from the scene *toward* the light",
-        fallback: Words("must be given"),
-    },
+    Key::new(
+        "direction",
+        "direction of any length from the scene *toward* the light",
+        Words("must be given"),
+    ),
     UNIT_DIRECTION,
 ];
 
@@ -169,14 +163,14 @@ const TOWARD: &[Key] = &[
 const EDGES: &[Key] = &[
     AIM[0],
     DIRECTION,
-    Key { name: "up", doc: "direction along which its edges lie", fallback: Words("`[0, 1, 0]`") },
-    Key { name: "size", doc: "`[width, height]`, lengths > 0", fallback: Words("must be given") },
-    Key {
-        name: "edge_x",
-        doc: "with `edge_y` in place of the four above: its whole edges, perpendicular vectors whose cross product points where it shines",
-        fallback: Words("none"),
-    },
-    Key { name: "edge_y", doc: "see `edge_x`", fallback: Words("none") },
+    Key::new("up", "direction along which its edges lie", Words("`[0, 1, 0]`")),
+    Key::new("size", "`[width, height]`, lengths > 0", Words("must be given")),
+    Key::new(
+        "edge_x",
+        "with `edge_y` in place of the four above: its whole edges, perpendicular vectors whose cross product points where it shines",
+        Words("none"),
+    ),
+    Key::new("edge_y", "see `edge_x`", Words("none")),
 ];
 
 const VISIBLE: &str = "whether the camera sees it other than through bodies and glass";
@@ -199,10 +193,10 @@ const RECTANGLE: Thing<Light> = Thing {
         visible: true,
     },
     fields: &[
-        field!(Light::Rectangle { center } => Slot::Point(center), "point", Required),
-        field!(Light::Rectangle { center, edge_x, edge_y } => Slot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
-        field!(Light::Rectangle { radiance } => Slot::Radiance(radiance), "color", Required),
-        field!(Light::Rectangle { visible } => Slot::Flag(visible), VISIBLE, Plain),
+        field!(Light::Rectangle { center } => SceneSlot::Point(center), "point", Required),
+        field!(Light::Rectangle { center, edge_x, edge_y } => SceneSlot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
+        field!(Light::Rectangle { radiance } => SceneSlot::Radiance(radiance), "color", Required),
+        field!(Light::Rectangle { visible } => SceneSlot::Flag(visible), VISIBLE, Plain),
     ],
     rules: &[],
 };
@@ -218,10 +212,10 @@ const ELLIPSE: Thing<Light> = Thing {
         visible: true,
     },
     fields: &[
-        field!(Light::Ellipse { center } => Slot::Point(center), "point", Required),
-        field!(Light::Ellipse { center, edge_x, edge_y } => Slot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
-        field!(Light::Ellipse { radiance } => Slot::Radiance(radiance), "color", Required),
-        field!(Light::Ellipse { visible } => Slot::Flag(visible), VISIBLE, Plain),
+        field!(Light::Ellipse { center } => SceneSlot::Point(center), "point", Required),
+        field!(Light::Ellipse { center, edge_x, edge_y } => SceneSlot::Edges { center: *center, edges: [edge_x, edge_y] }; EDGES),
+        field!(Light::Ellipse { radiance } => SceneSlot::Radiance(radiance), "color", Required),
+        field!(Light::Ellipse { visible } => SceneSlot::Flag(visible), VISIBLE, Plain),
     ],
     rules: &[],
 };
@@ -231,10 +225,10 @@ const SPHERE: Thing<Light> = Thing {
     doc: "shines outward",
     plain: || Light::Sphere { center: PLACE, radius: 0.3, radiance: Vec3::splat(95.5), visible: true },
     fields: &[
-        field!(Light::Sphere { center } => Slot::Point(center), "point", Required),
-        field!(Light::Sphere { radius } => Slot::Length(radius, Interval::REACH), "length > 0", Required),
-        field!(Light::Sphere { radiance } => Slot::Radiance(radiance), "color", Required),
-        field!(Light::Sphere { visible } => Slot::Flag(visible), VISIBLE, Plain),
+        field!(Light::Sphere { center } => SceneSlot::Point(center), "point", Required),
+        field!(Light::Sphere { radius } => SceneSlot::Length(radius, Interval::REACH), "length > 0", Required),
+        field!(Light::Sphere { radiance } => SceneSlot::Radiance(radiance), "color", Required),
+        field!(Light::Sphere { visible } => SceneSlot::Flag(visible), VISIBLE, Plain),
     ],
     rules: &[],
 };
@@ -244,10 +238,10 @@ const DISTANT: Thing<Light> = Thing {
     doc: "shines in parallel from infinity",
     plain: || Light::Distant { direction: Vec3::Z, angular_radius: 0.27, irradiance: Vec3::splat(3.0) },
     fields: &[
-        field!(Light::Distant { direction } => Slot::Direction(direction, None); TOWARD),
-        field!(Light::Distant { angular_radius } => Slot::Angle(angular_radius, Interval::below(0.0, 90.0)),
+        field!(Light::Distant { direction } => SceneSlot::Direction(direction, None); TOWARD),
+        field!(Light::Distant { angular_radius } => SceneSlot::Angle(angular_radius, Interval::below(0.0, 90.0)),
             "half the angle that it subtends, {range}", Number(0.0)),
-        field!(Light::Distant { irradiance } => Slot::Radiance(irradiance),
+        field!(Light::Distant { irradiance } => SceneSlot::Radiance(irradiance),
             "color: irradiance of a surface that faces it", Required),
     ],
     rules: &[],
@@ -269,13 +263,13 @@ const SPOT: Thing<Light> = Thing {
         visible: true,
     },
     fields: &[
-        field!(Light::Spot { position } => Slot::Point(position), "point", Required),
-        field!(Light::Spot { direction, position } => Slot::Direction(direction, Some(*position)); AIM),
-        field!(Light::Spot { radius } => Slot::Length(radius, MAYBE_POINT),
+        field!(Light::Spot { position } => SceneSlot::Point(position), "point", Required),
+        field!(Light::Spot { direction, position } => SceneSlot::Direction(direction, Some(*position)); AIM),
+        field!(Light::Spot { radius } => SceneSlot::Length(radius, MAYBE_POINT),
             "length ≥ 0 of the sphere; 0 is a point, with sharp shadows", Plain),
-        field!(Light::Spot { intensity } => Slot::Power(intensity),
+        field!(Light::Spot { intensity } => SceneSlot::Power(intensity),
             "color: radiant intensity on the axis, as seen from afar", Required),
-        field!(Light::Spot { inner_angle } => Slot::Angle(inner_angle, Interval::below(0.0, 180.0)),
+        field!(Light::Spot { inner_angle } => SceneSlot::Angle(inner_angle, Interval::below(0.0, 180.0)),
             "half-angle of its even part, in [0, `outer_angle`); between the two the light falls by 3x² − 2x³ in the cosine of the angle",
             Words("0.8 of `outer_angle`"))
         .when_missing(|light| {
@@ -283,11 +277,11 @@ const SPOT: Thing<Light> = Thing {
                 *inner_angle = 0.8 * *outer_angle;
             }
         }),
-        field!(Light::Spot { outer_angle } => Slot::Angle(outer_angle, Interval::above(0.0, 180.0)),
+        field!(Light::Spot { outer_angle } => SceneSlot::Angle(outer_angle, Interval::above(0.0, 180.0)),
             "half-angle of the cone, {range}", Number(45.0)),
-        field!(Light::Spot { visible } => Slot::Flag(visible), VISIBLE_BODY, Plain),
+        field!(Light::Spot { visible } => SceneSlot::Flag(visible), VISIBLE_BODY, Plain),
     ],
-    rules: &[Rule {
+    rules: &[Rule::Holds {
         key: "inner_angle",
         broken: |light| match *light {
             Light::Spot { inner_angle, outer_angle, .. } if inner_angle >= outer_angle => {
@@ -312,10 +306,10 @@ const POINT: Thing<Light> = Thing {
         visible: true,
     },
     fields: &[
-        field!(Light::Spot { position } => Slot::Point(position), "point", Required),
-        field!(Light::Spot { radius } => Slot::Length(radius, MAYBE_POINT), "length ≥ 0 of the sphere", Plain),
-        field!(Light::Spot { intensity } => Slot::Power(intensity), "color: radiant intensity", Required),
-        field!(Light::Spot { visible } => Slot::Flag(visible), VISIBLE_BODY, Plain),
+        field!(Light::Spot { position } => SceneSlot::Point(position), "point", Required),
+        field!(Light::Spot { radius } => SceneSlot::Length(radius, MAYBE_POINT), "length ≥ 0 of the sphere", Plain),
+        field!(Light::Spot { intensity } => SceneSlot::Power(intensity), "color: radiant intensity", Required),
+        field!(Light::Spot { visible } => SceneSlot::Flag(visible), VISIBLE_BODY, Plain),
     ],
     rules: &[],
 };
@@ -325,10 +319,10 @@ const BEAM: Thing<Light> = Thing {
     doc: "is parallel light of a finite width, a laser",
     plain: || Light::Beam { origin: PLACE, direction: Vec3::NEG_Z, radius: 0.1, power: Vec3::splat(0.0942) },
     fields: &[
-        field!(Light::Beam { origin } => Slot::Point(origin), "point", Required),
-        field!(Light::Beam { direction, origin } => Slot::Direction(direction, Some(*origin)); AIM),
-        field!(Light::Beam { radius } => Slot::Length(radius, Interval::REACH), "length > 0", Required),
-        field!(Light::Beam { power } => Slot::Power(power), "color: its whole power", Required),
+        field!(Light::Beam { origin } => SceneSlot::Point(origin), "point", Required),
+        field!(Light::Beam { direction, origin } => SceneSlot::Direction(direction, Some(*origin)); AIM),
+        field!(Light::Beam { radius } => SceneSlot::Length(radius, Interval::REACH), "length > 0", Required),
+        field!(Light::Beam { power } => SceneSlot::Power(power), "color: its whole power", Required),
     ],
     rules: &[],
 };

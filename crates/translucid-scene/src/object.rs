@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::{Affine3A, DMat3, DVec3, Mat3, Vec3, Vec4};
 
 use crate::description::{Fallback, Key};
-use crate::interval::{Interval, refusal};
 use crate::mesh::{SurfaceMap, Triangle, stays_flat_enough};
 use crate::{Mesh, SceneError};
+use translucid_words::{Interval, refusal};
 
 /// Greatest ratio of the stretches of a placed mesh: beyond, rays in its own space would be too coarse.
 const MOST_DISTORTION: f64 = 100.0;
@@ -36,7 +36,7 @@ pub struct Object {
 
 /// A key with its default in words.
 const fn key(name: &'static str, doc: &'static str, default: &'static str) -> Key {
-    Key { name, doc, fallback: Fallback::Words(default) }
+    Key::new(name, doc, Fallback::Words(default))
 }
 
 impl Object {

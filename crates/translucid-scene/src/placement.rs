@@ -3,7 +3,7 @@
 use glam::{DMat3, Mat3, Vec3};
 
 use crate::SceneError;
-use crate::interval::{Interval, refusal};
+use translucid_words::{Interval, refusal};
 
 /// Largest cosine between two directions that count as perpendicular.
 const PERPENDICULAR: f64 = 1e-3;

@@ -1,6 +1,6 @@
 //! Geometry of the lines of sight.
 
-use crate::interval::Interval;
+use translucid_words::Interval;
 
 /// Geometry of the lines of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]

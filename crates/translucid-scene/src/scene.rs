@@ -7,11 +7,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::interval::check_index;
 use crate::{
     Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, Object, ProfileTable, SceneError,
     Unit,
 };
+use translucid_words::check_index;
 
 /// Everything needed to make a picture.
 ///

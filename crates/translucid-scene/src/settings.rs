@@ -3,8 +3,8 @@
 use translucid_display::ToneMapping;
 
 use crate::SceneError;
-use crate::description::{Counts, Fallback, Key, Slot, Thing, Word, field};
-use crate::interval::{Interval, WholeInterval};
+use crate::description::{Counts, Fallback, Key, SceneSlot, Thing, Word, field};
+use translucid_words::{Interval, WholeInterval};
 
 use Fallback::{Plain, Words};
 
@@ -54,12 +54,7 @@ impl Word for FilterKind {
         &[("box", Self::Box), ("gaussian", Self::Gaussian), ("blackman-harris", Self::BlackmanHarris)];
 }
 
-impl Word for ToneMapping {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
-}
-
-const SIZE: &[Key] =
-    &[Key { name: "size", doc: "`[width, height]` in pixels, each {range}", fallback: Plain }];
+const SIZE: &[Key] = &[Key::new("size", "`[width, height]` in pixels, each {range}", Plain)];
 
 impl Film {
     /// Most pixels along an edge; the fewest is one.
@@ -73,17 +68,17 @@ impl Film {
         doc: "size and look of the picture",
         plain: Self::default,
         fields: &[
-            field!(Film { width, height } => Slot::Size([width, height], Self::EDGE); SIZE),
-            field!(Film { filter } => Slot::Word(filter), "{words}", Plain).when_given(|film| {
+            field!(Film { width, height } => SceneSlot::Size([width, height], Self::EDGE); SIZE),
+            field!(Film { filter } => SceneSlot::Word(filter), "{words}", Plain).when_given(|film| {
                 if film.filter == FilterKind::Box {
                     film.filter_radius = 0.5; // One pixel; that of the bells is their usual extent.
                 }
             }),
-            field!(Film { filter_radius } => Slot::Number(filter_radius, Interval::above(0.0, 8.0)),
+            field!(Film { filter_radius } => SceneSlot::Number(filter_radius, Interval::above(0.0, 8.0)),
                 "half the filter's extent in pixels, {range}", Words("0.5 for the box, else 1.5")),
-            field!(Film { exposure } => Slot::Number(exposure, Interval::closed(-32.0, 32.0)),
+            field!(Film { exposure } => SceneSlot::Number(exposure, Interval::closed(-32.0, 32.0)),
                 "stops, {range}; for PNG only", Plain),
-            field!(Film { tone_mapping } => Slot::Word(tone_mapping), "{words}; for PNG only", Plain),
+            field!(Film { tone_mapping } => SceneSlot::Word(tone_mapping), "{words}; for PNG only", Plain),
         ],
         rules: &[],
     };
@@ -93,7 +88,7 @@ impl Film {
     /// # Errors
     /// A number is out of its range.
     pub fn validate(&self) -> Result<(), SceneError> {
-        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("film"))
+        Self::DESCRIPTION.check(self, &Counts::default()).map_err(|error| error.within("film"))
     }
 }
 
@@ -184,25 +179,25 @@ impl Integrator {
         doc: "how many paths are traced, and how far",
         plain: Self::default,
         fields: &[
-            field!(Integrator { samples_per_pixel } => Slot::Count(samples_per_pixel, WholeInterval::new(1, 1 << 24)),
+            field!(Integrator { samples_per_pixel } => SceneSlot::Count(samples_per_pixel, WholeInterval::new(1, 1 << 24)),
                 "{range}", Plain),
-            field!(Integrator { max_depth } => Slot::Count(max_depth, WholeInterval::new(1, 1024)),
+            field!(Integrator { max_depth } => SceneSlot::Count(max_depth, WholeInterval::new(1, 1024)),
                 "most scattering events on a path, {range}; one under the surface counts as one", Plain),
-            field!(Integrator { max_diffuse_depth } => Slot::Count(max_diffuse_depth, WholeInterval::new(0, 1024)),
+            field!(Integrator { max_diffuse_depth } => SceneSlot::Count(max_diffuse_depth, WholeInterval::new(0, 1024)),
                 "most diffuse or subsurface events among them, {range}; fewer make folds and bright things darker and save next to no time, as few paths get there", Plain),
-            field!(Integrator { caustics } => Slot::Flag(caustics),
+            field!(Integrator { caustics } => SceneSlot::Flag(caustics),
                 "whether a glossy event after a diffuse one may meet light", Plain),
-            field!(Integrator { subsurface_tail } => Slot::Number(subsurface_tail, Interval::above(0.0, 0.1)),
+            field!(Integrator { subsurface_tail } => SceneSlot::Number(subsurface_tail, Interval::above(0.0, 0.1)),
                 "share of a profile beyond the longest probe, {range}; what is left is renormalized. Of light from beyond a distance this share over the profile's share beyond it is missing (a tenth where 1 % of the profile lies beyond, all of it beyond the longest probe): lower it where light travels far through something dark", Plain),
-            field!(Integrator { subsurface_method } => Slot::Word(subsurface_method),
+            field!(Integrator { subsurface_method } => SceneSlot::Word(subsurface_method),
                 "`\"ray-traced\"`: every path looks for an entry point; `\"point-based\"`: the light that enters is computed at points beforehand and summed, see [Point-based](point-based.md); `\"cycles-disk\"`: ray-traced with the weights of Blender Cycles' Christensen-Burley, [for its look](blender.md#subsurface-scattering)", Plain),
-            field!(Integrator { subsurface_sharing } => Slot::Flag(subsurface_sharing),
+            field!(Integrator { subsurface_sharing } => SceneSlot::Flag(subsurface_sharing),
                 "whether light that has entered below one pixel serves the pixels around it, when rays are traced: less noise in the same time, and what is left varies less from pixel to pixel, where light travels a pixel and a half or more below the surface; random walks share where scattering is isotropic; see [How fast, and why](../speed/how-fast.md#light-shared-between-pixels)", Plain),
-            field!(Integrator { point_tolerance } => Slot::Number(point_tolerance, Interval::closed(0.001, 1.0)),
+            field!(Integrator { point_tolerance } => SceneSlot::Number(point_tolerance, Interval::closed(0.001, 1.0)),
                 "relative error that the point-based method may make, {range}", Plain),
-            field!(Integrator { point_memory } => Slot::Count(point_memory, WholeInterval::new(1, 1 << 20)),
+            field!(Integrator { point_memory } => SceneSlot::Count(point_memory, WholeInterval::new(1, 1 << 20)),
                 "most memory for its points, MiB, {range}", Plain),
-            field!(Integrator { seed } => Slot::Seed(seed), "whole number in [0, 2⁶⁴)", Plain),
+            field!(Integrator { seed } => SceneSlot::Seed(seed), "whole number in [0, 2⁶⁴)", Plain),
         ],
         rules: &[],
     };
@@ -212,6 +207,6 @@ impl Integrator {
     /// # Errors
     /// A number is out of its range.
     pub fn validate(&self) -> Result<(), SceneError> {
-        Self::DESCRIPTION.check(self, Counts::default()).map_err(|error| error.within("integrator"))
+        Self::DESCRIPTION.check(self, &Counts::default()).map_err(|error| error.within("integrator"))
     }
 }

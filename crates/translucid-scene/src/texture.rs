@@ -2,7 +2,7 @@
 
 use glam::{Affine2, Vec2, Vec3};
 
-use crate::interval::Interval;
+use translucid_words::Interval;
 
 /// Treatment of texture coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

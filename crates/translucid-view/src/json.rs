@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use translucid_profile::convention::{conversion_system_names, presets};
 use translucid_render::FilmLayer;
-use translucid_scene::description::{Slot, Thing};
+use translucid_scene::description::{SceneSlot, Thing};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Scene, SubsurfaceModel,
 };
@@ -43,12 +43,12 @@ fn material(material: &Material, integrator: &Integrator) -> Value {
     let (mut parameters, mut words) = (Map::new(), Map::new());
     for field in Material::DESCRIPTION.fields {
         let (value, image, vertex) = match (field.slot)(&mut copy) {
-            Slot::Number(x, _) | Slot::Length(x, _) => (json!(x), false, false),
-            Slot::Scalar(input, _) => (json!(input.factor), input.texture.is_some(), false),
-            Slot::Color(ColorInput { factor, texture, vertex_color }, _) => {
+            SceneSlot::Number(x, _) | SceneSlot::Length(x, _) => (json!(x), false, false),
+            SceneSlot::Scalar(input, _) => (json!(input.factor), input.texture.is_some(), false),
+            SceneSlot::Color(ColorInput { factor, texture, vertex_color }, _) => {
                 (json!(factor.to_array()), texture.is_some(), *vertex_color)
             }
-            Slot::Word(word) => {
+            SceneSlot::Word(word) => {
                 words.insert(field.key().to_owned(), json!(word.name()));
                 continue;
             }
@@ -88,8 +88,10 @@ fn parameters_and_words() -> (Vec<Value>, Map<String, Value>) {
     let mut plain = Material::default();
     for field in Material::DESCRIPTION.fields {
         let (kind, range) = match (field.slot)(&mut plain) {
-            Slot::Number(_, range) | Slot::Length(_, range) | Slot::Scalar(_, range) => ("number", range),
-            Slot::Color(_, range) => ("color", range),
+            SceneSlot::Number(_, range) | SceneSlot::Length(_, range) | SceneSlot::Scalar(_, range) => {
+                ("number", range)
+            }
+            SceneSlot::Color(_, range) => ("color", range),
             _ => continue,
         };
         parameters.push(json!({ "name": field.key(), "kind": kind, "min": range.low, "max": range.high }));
@@ -104,7 +106,7 @@ fn parameters_and_words() -> (Vec<Value>, Map<String, Value>) {
 fn insert_words<T>(description: &Thing<T>, words: &mut Map<String, Value>) {
     let mut plain = (description.plain)();
     for field in description.fields {
-        if let Slot::Word(word) = (field.slot)(&mut plain) {
+        if let SceneSlot::Word(word) = (field.slot)(&mut plain) {
             words.insert(field.key().to_owned(), json!(word.names()));
         }
     }
@@ -117,24 +119,24 @@ fn kind_of_light(kind: &Thing<Light>) -> Value {
     let mut fields = Vec::new();
     for field in kind.fields {
         let (of, range) = match (field.slot)(&mut example) {
-            Slot::Point(_) => {
+            SceneSlot::Point(_) => {
                 place = json!(field.key());
                 ("point", None)
             }
-            Slot::Radiance(_) => {
+            SceneSlot::Radiance(_) => {
                 strength = json!(field.key());
                 ("radiance", None)
             }
-            Slot::Power(_) => {
+            SceneSlot::Power(_) => {
                 strength = json!(field.key());
                 ("power", None)
             }
-            Slot::Direction(..) => ("direction", None),
-            Slot::Edges { .. } => ("edges", None),
-            Slot::Length(_, range) => ("length", Some(range)),
-            Slot::Angle(_, range) => ("angle", Some(range)),
-            Slot::Number(_, range) => ("number", Some(range)),
-            Slot::Flag(_) => ("flag", None),
+            SceneSlot::Direction(..) => ("direction", None),
+            SceneSlot::Edges { .. } => ("edges", None),
+            SceneSlot::Length(_, range) => ("length", Some(range)),
+            SceneSlot::Angle(_, range) => ("angle", Some(range)),
+            SceneSlot::Number(_, range) => ("number", Some(range)),
+            SceneSlot::Flag(_) => ("flag", None),
             _ => continue,
         };
         let [min, max] = [range.map(|range| range.low), range.map(|range| range.high)];

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 use translucid_load::Piece;
-use translucid_scene::description::{Content, Entry, Slot, Thing, Value};
+use translucid_scene::description::{Content, Entry, SceneSlot, Slot, Thing, Value};
 
 /// A thing of a scene by the keys and values of a message.
 pub(crate) fn piece(title: &str, keys: Map<String, Json>) -> Piece {
@@ -34,14 +34,16 @@ pub(crate) fn json_of<T: Clone>(description: &Thing<T>, thing: &T) -> Map<String
     let mut object = Map::new();
     for field in description.fields {
         match (field.slot)(&mut copy) {
-            Slot::Radiance(color) | Slot::Power(color) => {
+            SceneSlot::Radiance(color) | SceneSlot::Power(color) => {
                 object.insert(field.key().to_owned(), json!(color.to_array()));
             }
-            Slot::Direction(direction, _) => {
+            SceneSlot::Direction(direction, _) => {
                 object.insert(String::from("direction"), json!(direction.to_array()));
             }
             slot => object.extend(
-                slot.write(field.keys).into_iter().map(|entry| (entry.key, json_value(&entry.value))),
+                slot.write(field.keys, [0.0; 3])
+                    .into_iter()
+                    .map(|entry| (entry.key, json_value(&entry.value))),
             ),
         }
     }
@@ -58,7 +60,8 @@ fn json_value(value: &Value) -> Json {
         Content::Table(entries) => {
             Json::Object(entries.iter().map(|entry| (entry.key.clone(), json_value(&entry.value))).collect())
         }
-        Content::Image(_) | Content::Other(_) => Json::Null,
+        Content::Numbers(numbers) => json!(numbers[..]),
+        Content::Object(_) | Content::Other(_) => Json::Null,
     }
 }
 

@@ -122,7 +122,7 @@ fn read_filament(item: &Item<'_>, eta: f64, transmitted: Option<f64>) -> Result<
         })?
         .double(Interval::open(0.0, 1.0))?;
     let filament = Filament {
-        color: table.require("color")?.color(Interval::UNIT)?.to_array().map(f64::from),
+        color: table.require("color")?.rgb(Interval::UNIT)?.map(f64::from),
         transmission_distance: table.require("transmission_distance")?.double(LayersReader::LENGTH)?,
         transmitted: transmitted.unwrap_or(own),
         eta,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 use roxmltree::Node;
-use translucid_scene::description::{Field, Slot};
+use translucid_scene::description::{Field, SceneSlot};
 use translucid_scene::{ColorInput, Material, ScalarInput};
 
 use super::graph::Signal;
@@ -207,7 +207,10 @@ pub(super) fn numbers() -> impl Iterator<Item = &'static Field<Material>> {
     let mut plain = Material::default();
     Material::DESCRIPTION.fields.iter().filter(move |field| {
         let slot = (field.slot)(&mut plain);
-        matches!(slot, Slot::Number(..) | Slot::Length(..) | Slot::Scalar(..) | Slot::Color(..))
+        matches!(
+            slot,
+            SceneSlot::Number(..) | SceneSlot::Length(..) | SceneSlot::Scalar(..) | SceneSlot::Color(..)
+        )
     })
 }
 

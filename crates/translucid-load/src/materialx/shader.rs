@@ -3,7 +3,7 @@
 use glam::Vec3;
 use roxmltree::Node;
 use translucid_profile::nearest;
-use translucid_scene::description::Slot;
+use translucid_scene::description::SceneSlot;
 use translucid_scene::{ColorInput, Interval, Material, NormalMap, ScalarInput, SceneError, Unit};
 
 use super::document::{Kind, shown, title};
@@ -154,7 +154,7 @@ impl<'d> Reader<'_, 'd> {
         };
         signal.factor.iter_mut().for_each(|number| *number *= scale);
         let slot = (parameter.slot)(&mut self.material);
-        let channels = if matches!(slot, Slot::Color(..)) { 3 } else { 1 };
+        let channels = if matches!(slot, SceneSlot::Color(..)) { 3 } else { 1 };
         if signal.channels != channels && (signal.channels, channels) != (4, 3) {
             let types = if channels == 3 { "a color3" } else { "a float" };
             let message = format!("{} has {} channels, but must be {types}", graph.reading, signal.channels);
@@ -170,16 +170,18 @@ impl<'d> Reader<'_, 'd> {
         };
         let [number, ..] = signal.factor;
         match (slot, signal.texture) {
-            (Slot::Number(slot, range) | Slot::Length(slot, range), None) => *slot = within(number, range),
-            (Slot::Number(..) | Slot::Length(..), Some(_)) => {
+            (SceneSlot::Number(slot, range) | SceneSlot::Length(slot, range), None) => {
+                *slot = within(number, range)
+            }
+            (SceneSlot::Number(..) | SceneSlot::Length(..), Some(_)) => {
                 graph.give_up(input, "it may not vary over the surface here, but has an image");
             }
-            (Slot::Scalar(slot, range), None) => *slot = ScalarInput::constant(within(number, range)),
-            (Slot::Scalar(slot, _), Some(texture)) => {
+            (SceneSlot::Scalar(slot, range), None) => *slot = ScalarInput::constant(within(number, range)),
+            (SceneSlot::Scalar(slot, _), Some(texture)) => {
                 let factor = within(number, ScalarInput::TEXTURED);
                 *slot = ScalarInput { factor, texture: Some((texture, signal.channel)) };
             }
-            (Slot::Color(slot, range), texture) => {
+            (SceneSlot::Color(slot, range), texture) => {
                 let range = if texture.is_some() { ColorInput::TEXTURED } else { range };
                 let factor =
                     Vec3::from_array(signal.color().to_array().map(|channel| within(channel, range)));

@@ -70,7 +70,7 @@ impl SceneFile {
             let origin = builder.origin_of_files(&self.objects, replacement, loading)?;
             if origin != DVec3::ZERO {
                 loading.warnings.truncate(known);
-                let source = self.source.in_scene_at(origin);
+                let source = self.source.in_scene_at(origin.to_array());
                 let file = Self::of(source, self.entries, Base::Unknown, Some(loading))?;
                 return file.assemble(overrides, options, loading);
             }

@@ -143,10 +143,10 @@ impl SceneFile {
         let is_extending = root.get("extends").is_some();
         let origin = match &base {
             Base::Known(scene) => scene.origin,
-            Base::Unknown if is_extending || root.origin() != DVec3::ZERO => root.origin(),
+            Base::Unknown if is_extending || root.origin() != [0.0; 3] => DVec3::from_array(root.origin()),
             Base::Unknown => origin::of_scene_file(&root),
         };
-        let source = source.in_scene_at(origin);
+        let source = source.in_scene_at(origin.to_array());
         let root = Table::root(&source, &entries).allow(if is_extending { extend::KEYS } else { KEYS })?;
         let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
         let (mut scene, is_known) = match base {

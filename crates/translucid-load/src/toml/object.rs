@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::{Affine3A, DAffine3, DVec3, EulerRot, Mat3, Quat, Vec3};
 use translucid_profile::nearest;
-use translucid_scene::description::{Content, Item, Key, Table};
+use translucid_scene::description::{Content, Item, Key, Table, Vectors};
 use translucid_scene::{Interval, Material, Object, Place, Scene, SceneError, Unit, WholeInterval};
 use translucid_shapes::{ShapeParameterKind, ShapeParameters, shape_names, shape_parameters};
 
@@ -91,7 +91,7 @@ fn read_entry(
         Some(transforms) => transforms.into_iter().map(|place| place * world_from_object).collect(),
         None => vec![world_from_object],
     };
-    places.iter_mut().for_each(|place| place.translation -= table.origin());
+    places.iter_mut().for_each(|place| place.translation -= DVec3::from_array(table.origin()));
     Ok(ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
@@ -116,7 +116,10 @@ pub(super) fn read_change(
     let is_placed = names(Object::PLACE_KEYS).any(|key| table.get(key).is_some());
     let place = is_placed.then(|| read_transform(table)).transpose()?;
     let material = table.get("material").map(|item| read_material_name(&item, materials)).transpose()?;
-    let from_origin = |place: DAffine3| DAffine3 { translation: place.translation - table.origin(), ..place };
+    let from_origin = |place: DAffine3| DAffine3 {
+        translation: place.translation - DVec3::from_array(table.origin()),
+        ..place
+    };
     Ok((place.map(|place| from_origin(place).as_affine3a()), material))
 }
 

@@ -1,7 +1,7 @@
 //! The origin of the scene of a file: near what its camera looks at.
 
 use glam::{DAffine3, DVec3};
-use translucid_scene::description::Table;
+use translucid_scene::description::{Table, Vectors};
 use translucid_scene::{Interval, Scene};
 
 use super::object::read_transform;

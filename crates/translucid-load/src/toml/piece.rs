@@ -55,7 +55,7 @@ impl Piece {
     pub fn has_images(&self) -> bool {
         fn is_in(value: &Value) -> bool {
             match &value.content {
-                Content::Image(_) => true,
+                Content::Object(_) => true,
                 Content::List(values) => values.iter().any(is_in),
                 Content::Table(entries) => entries.iter().any(|entry| is_in(&entry.value)),
                 _ => false,
@@ -85,7 +85,7 @@ impl Piece {
         origin: DVec3,
         read: impl FnOnce(Table<'_>) -> Result<T, SceneError>,
     ) -> Result<T, SceneError> {
-        read(Table::root(&Provenance::part(&self.title).in_scene_at(origin), &self.entries))
+        read(Table::root(&Provenance::part(&self.title).in_scene_at(origin.to_array()), &self.entries))
     }
 
     /// The camera of `[camera]`.
@@ -481,6 +481,8 @@ impl From<Scene> for SceneBuilder {
 mod tests {
     use translucid_scene::ColorSpace;
 
+    use translucid_scene::description::image_value;
+
     use super::*;
     use crate::SceneFile;
 
@@ -603,7 +605,7 @@ mod tests {
             color_space: ColorSpace::Srgb,
             pixels,
         };
-        let texture = Value::from(vec![Entry::new("file", Arc::new(image))]);
+        let texture = Value::from(vec![Entry::new("file", image_value(Arc::new(image)))]);
         let entries = vec![
             Entry::new("name", "a"),
             Entry::new("base_color", texture.clone()),
@@ -660,7 +662,7 @@ mod tests {
             let color_space = ColorSpace::Linear;
             Arc::new(Image { name: name.into(), path: None, width: 1, height: 1, color_space, pixels })
         };
-        let texture = |name: &str| vec![Entry::new("file", image(name))];
+        let texture = |name: &str| vec![Entry::new("file", image_value(image(name)))];
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         let entries = vec![Entry::new("name", "a"), Entry::new("specular_roughness", texture("first"))];
         let first = Piece::new("material a", entries);
@@ -674,7 +676,7 @@ mod tests {
         assert_eq!(images, [image("second")]);
         assert_eq!(edited.base_color.texture.unwrap().image, 1);
         assert_eq!(edited.specular_roughness.texture.unwrap().0.image, 0);
-        let sky = Piece::new("environment", vec![Entry::new("file", image("sky"))]);
+        let sky = Piece::new("environment", vec![Entry::new("file", image_value(image("sky")))]);
         let (environment, images) = sky.environment_with_images(scene, &mut Vec::new()).unwrap();
         assert_eq!((environment.image, images), (Some(1), vec![image("sky")]));
     }

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::DVec3;
-use translucid_scene::description::{Content, Entry, Part, Provenance, quoted};
+use translucid_scene::description::{Content, Entry, Part, Provenance, Visit, quoted};
 use translucid_scene::{
     Camera, Environment, Film, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceModel, Unit,
 };
@@ -70,7 +70,7 @@ impl ExtendedBase {
         // A camera that is chosen for the base fits the film's size
         let is_resized = [from.film.width, from.film.height] != [to.film.width, to.film.height];
         if from.camera != to.camera || is_resized {
-            text += &table("\n[camera]\n", &Camera::DESCRIPTION.write_at(&to.camera, to.origin));
+            text += &table("\n[camera]\n", &Camera::DESCRIPTION.write_at(&to.camera, to.origin.to_array()));
         }
         let mut film = from.film;
         if film.filter != to.film.filter {

@@ -4,11 +4,11 @@ use std::fmt;
 
 use glam::Affine2;
 
-use super::field::{Slot, Thing};
 use super::layers::visit_layers;
-use crate::interval::{Interval, WholeInterval, check_index, refusal};
+use super::slot::{SceneSlot, Thing};
 use crate::placement::{check_edges, check_unit, is_rotation};
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SceneError, SubsurfaceModel, TextureRef};
+use translucid_words::{Interval, WholeInterval, check_index, refusal};
 
 /// A number of a thing, with its range.
 pub enum Part<'a> {
@@ -38,32 +38,14 @@ pub struct Counts {
     pub profile_tables: usize,
 }
 
-impl<T: Clone> Thing<T> {
-    /// Checks every field of a thing in a scene with so many images and tables.
-    ///
-    /// # Errors
-    /// A number is out of its range, or something breaks a rule: the message names the key and its value.
-    pub fn check(&self, thing: &T, counts: Counts) -> Result<(), SceneError> {
-        let mut copy = thing.clone();
-        for field in self.fields {
-            let mut result = Ok(());
-            (field.slot)(&mut copy).visit(field.key(), &mut |name, part| {
-                if result.is_ok() {
-                    result = part.check(name, counts);
-                }
-            });
-            result?;
-            (field.slot)(&mut copy).check(field.key())?;
-        }
-        for rule in self.rules {
-            let Some(must_be) = (rule.broken)(thing) else { continue };
-            return Err(refusal(rule.key, self.shown(thing, rule.key), must_be));
-        }
-        Ok(())
-    }
-
+/// Things whose numbers can be visited.
+pub trait Visit<T> {
     /// Visits every number of a thing, by its name: `position[1]`.
-    pub fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>)) {
+    fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>));
+}
+
+impl<T> Visit<T> for Thing<T> {
+    fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>)) {
         for field in self.fields {
             (field.slot)(thing).visit(field.key(), visit);
         }
@@ -83,20 +65,20 @@ impl Part<'_> {
     }
 }
 
-impl Slot<'_> {
+impl SceneSlot<'_> {
     /// Visits every number, by its name.
-    fn visit(self, key: &str, visit: &mut dyn FnMut(&str, Part<'_>)) {
+    fn visit(&mut self, key: &str, visit: &mut dyn FnMut(&str, Part<'_>)) {
         match self {
             Self::Absent | Self::Flag(_) | Self::Seed(_) | Self::Word(_) => {}
-            Self::Count(n, range) => visit(key, Part::Count(n, range)),
+            Self::Count(n, range) => visit(key, Part::Count(n, *range)),
             Self::Size([width, height], range) => {
-                visit("width", Part::Count(width, range));
-                visit("height", Part::Count(height, range));
+                visit("width", Part::Count(width, *range));
+                visit("height", Part::Count(height, *range));
             }
             Self::Number(x, range) | Self::Length(x, range) | Self::Angle(x, range) => {
-                visit(key, Part::Number(x, range));
+                visit(key, Part::Number(x, *range));
             }
-            Self::Pair(pair, range) => visit_all(key, pair.as_mut(), range, visit),
+            Self::Pair(pair, range) => visit_all(key, pair.as_mut(), *range, visit),
             Self::Point(point) => visit_all(key, point.as_mut(), Interval::PLACE, visit),
             Self::Vector(vector) => visit_all(key, vector.as_mut(), Interval::DIRECTION, visit),
             Self::Direction(vector, _) => visit_all("direction", vector.as_mut(), Interval::DIRECTION, visit),
@@ -120,13 +102,18 @@ impl Slot<'_> {
             Self::Scalar(ScalarInput { factor, texture }, range) => {
                 visit(
                     key,
-                    Part::Number(factor, if texture.is_some() { ScalarInput::TEXTURED } else { range }),
+                    Part::Number(factor, if texture.is_some() { ScalarInput::TEXTURED } else { *range }),
                 );
                 texture.iter_mut().for_each(|(texture, _)| visit_texture(key, texture, visit));
             }
             Self::Color(ColorInput { factor, texture, vertex_color }, range) => {
                 let is_product = texture.is_some() || *vertex_color;
-                visit_all(key, factor.as_mut(), if is_product { ColorInput::TEXTURED } else { range }, visit);
+                visit_all(
+                    key,
+                    factor.as_mut(),
+                    if is_product { ColorInput::TEXTURED } else { *range },
+                    visit,
+                );
                 texture.iter_mut().for_each(|texture| visit_texture(key, texture, visit));
             }
             Self::NormalMap(map) => {
@@ -147,8 +134,15 @@ impl Slot<'_> {
         }
     }
 
-    /// Checks what the ranges of single numbers do not say.
-    fn check(self, key: &str) -> Result<(), SceneError> {
+    /// Checks every number, and what the ranges of single numbers do not say.
+    pub(super) fn check_all(mut self, key: &str, counts: Counts) -> Result<(), SceneError> {
+        let mut result = Ok(());
+        self.visit(key, &mut |name, part| {
+            if result.is_ok() {
+                result = part.check(name, counts);
+            }
+        });
+        result?;
         match self {
             Self::Direction(direction, _) => check_unit("direction", *direction),
             Self::Edges { edges: [x, y], .. } => check_edges(*x, *y),

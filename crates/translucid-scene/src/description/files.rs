@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::table::Item;
-use super::value::Content;
+use translucid_words::{Content, Item, Object};
+
 use crate::{Image, ImageKind, Place, SceneError};
 
 /// A file that a scene needs, and where it is asked for.
@@ -48,7 +48,7 @@ impl FileList {
     /// The value is neither.
     pub fn image(&mut self, item: &Item<'_>, kind: ImageKind) -> Result<usize, SceneError> {
         let (path, image) = match item.content() {
-            Content::Image(image) => (PathBuf::from(&image.name), Some(Arc::clone(image))),
+            Content::Object(object) => (PathBuf::from(&object.name), image_of(object)),
             _ => (item.file()?, None),
         };
         Ok(self.add_image(FileRequest { path, kind, place: item.place(), image }))
@@ -62,6 +62,16 @@ impl FileList {
         let wanted = FileRequest { path: item.file()?, kind: (), place: item.place(), image: None };
         Ok(self.before[1] + add(&mut self.tables, wanted))
     }
+}
+
+/// An image as a value, where the path of a file could stand.
+pub fn image_value(image: Arc<Image>) -> Object {
+    Object { name: image.name.clone(), data: image }
+}
+
+/// The image that a value is.
+fn image_of(object: &Object) -> Option<Arc<Image>> {
+    Arc::clone(&object.data).downcast().ok()
 }
 
 /// The place of a request in its list; the same one is there once.

@@ -1,11 +1,9 @@
 //! The layers below a surface: `[[material.layer]]`.
 
 use glam::Vec3;
+use translucid_words::{Content, Entry, Fallback, Interval, Item, Key, Table, Value};
 
-use super::field::{Fallback, Key};
-use super::table::{Item, Table};
-use super::value::{Content, Entry, Value};
-use crate::interval::Interval;
+use super::vectors::Vectors;
 use crate::{LayerMedium, SceneError, SubsurfaceLayer};
 
 const THICKNESS: Interval = Interval::above(0.0, 1e9);
@@ -18,36 +16,36 @@ const COSINE_OF_ALBEDO: Interval = Interval::closed(-0.95, 0.95);
 impl SubsurfaceLayer {
     /// The keys of a layer.
     pub const KEYS: &[Key] = &[
-        Key {
-            name: "thickness",
-            doc: "length in (0, 1e9]: how far from the last layer, or the surface, the layer reaches",
-            fallback: Fallback::Required,
-        },
-        Key {
-            name: "surface_albedo",
-            doc: "color in [0, 1], with `mfp`: the share of diffuse light that an endless layer of this medium would return without a boundary",
-            fallback: Fallback::Words("must be given, or `scattering`"),
-        },
-        Key {
-            name: "mfp",
-            doc: "color, a length in [1e-9, 1e9]: mean free path of each channel",
-            fallback: Fallback::Words("–"),
-        },
-        Key {
-            name: "scattering",
-            doc: "color in [0, 1e9], with `absorption`: coefficient σ_s of each channel, per unit of length",
-            fallback: Fallback::Words("–"),
-        },
-        Key {
-            name: "absorption",
-            doc: "color in [0, 1e9]: coefficient σ_a of each channel, per unit of length",
-            fallback: Fallback::Words("–"),
-        },
-        Key {
-            name: "g",
-            doc: "number in (-1, 1), beside `surface_albedo` in [-0.95, 0.95]: mean cosine of the phase function",
-            fallback: Fallback::Number(0.0),
-        },
+        Key::new(
+            "thickness",
+            "length in (0, 1e9]: how far from the last layer, or the surface, the layer reaches",
+            Fallback::Required,
+        ),
+        Key::new(
+            "surface_albedo",
+            "color in [0, 1], with `mfp`: the share of diffuse light that an endless layer of this medium would return without a boundary",
+            Fallback::Words("must be given, or `scattering`"),
+        ),
+        Key::new(
+            "mfp",
+            "color, a length in [1e-9, 1e9]: mean free path of each channel",
+            Fallback::Words("–"),
+        ),
+        Key::new(
+            "scattering",
+            "color in [0, 1e9], with `absorption`: coefficient σ_s of each channel, per unit of length",
+            Fallback::Words("–"),
+        ),
+        Key::new(
+            "absorption",
+            "color in [0, 1e9]: coefficient σ_a of each channel, per unit of length",
+            Fallback::Words("–"),
+        ),
+        Key::new(
+            "g",
+            "number in (-1, 1), beside `surface_albedo` in [-0.95, 0.95]: mean cosine of the phase function",
+            Fallback::Number(0.0),
+        ),
     ];
 
     /// The mean cosines that are allowed.
@@ -105,7 +103,7 @@ impl SubsurfaceLayer {
             }
         };
         let mut entries = vec![Entry::new("thickness", self.thickness)];
-        entries.extend(medium.map(|(key, color)| Entry::new(key, Value::color(color))));
+        entries.extend(medium.map(|(key, color)| Entry::new(key, Value::color(color.to_array()))));
         entries.push(Entry::new("g", self.g));
         entries.into()
     }

@@ -1,29 +1,26 @@
-//! One description of the things of a scene, and the values that they are read from and written as.
+//! The things of a scene by their fields, and the values that they are read from and written as.
 //!
 //! A [`Thing`] lists the fields of a light, a camera, a material …: key, meaning, range, default, and place in the thing.
 //! From this one list follow reading, writing and checking, the rows of the look-dev page, the tables of the guide, and
 //! the types of Python's stub.
-//!
-//! A [`Value`] comes through one of three doors: a scene file in TOML, a page's JSON, Python's objects.
-//! Each door only turns its own values into these; everything behind it is the same, errors included.
 
 mod check;
-mod color;
-mod field;
 mod files;
 mod layers;
 mod read;
-mod table;
+mod slot;
 #[cfg(test)]
 mod tests;
-mod value;
+mod vectors;
 mod write;
 
-pub use check::{Counts, List, Part};
-pub use color::{hexadecimal_color, linear_from_srgb};
-pub(crate) use field::field;
-pub use field::{Choice, Fallback, Field, Key, Rule, Slot, Thing, Word};
-pub use files::{FileList, FileRequest};
+pub use check::{Counts, List, Part, Visit};
+pub use files::{FileList, FileRequest, image_value};
 pub use read::{COLOR_KEYS, NORMAL_KEYS, SCALAR_KEYS, read_size};
-pub use table::{Item, Provenance, Table};
-pub use value::{Content, Entry, Value, quoted};
+pub use slot::{Field, SceneSlot, Scenes, Thing};
+pub(crate) use translucid_words::field;
+pub use translucid_words::{
+    Choice, Content, Entry, Fallback, Item, Key, Object, Provenance, Rule, Slot, Table, Value, Word,
+    hexadecimal_color, linear_from_srgb, quoted,
+};
+pub use vectors::Vectors;

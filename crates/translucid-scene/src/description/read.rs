@@ -1,18 +1,16 @@
-//! Reading a thing's fields from a table.
+//! Reading the fields of a scene's things from a table.
 
 use glam::{Affine2, DVec3, Mat3, Vec2, Vec3};
+use translucid_words::{Content, Interval, Item, Key, Table, WholeInterval, Word};
 
-use super::field::{Fallback, Key, Slot, Thing, Word};
 use super::files::FileList;
 use super::layers::read_layers;
-use super::table::{Item, Table};
-use super::value::Content;
-use crate::interval::{Interval, WholeInterval};
+use super::slot::SceneSlot;
+use super::vectors::Vectors;
 use crate::placement::{check_edges, check_unit, is_rotation};
-
 use crate::{
     Channel, ColorInput, ColorSpace, ImageKind, NormalMap, Projection, ScalarInput, SceneError,
-    SubsurfaceModel, TextureRef, Unit, Wrap,
+    SubsurfaceModel, TextureRef, Wrap,
 };
 
 /// Keys of a table with the image of a color.
@@ -24,90 +22,14 @@ pub const SCALAR_KEYS: &[&str] =
 /// Keys of a table with the image of a normal map.
 pub const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
 
-impl<T: Clone> Thing<T> {
-    /// The thing of a table, whose keys are already known to be allowed.
-    ///
-    /// # Errors
-    /// A key is missing, or a value not allowed.
-    pub fn read(&self, table: &Table<'_>, files: &mut FileList) -> Result<T, SceneError> {
-        let mut thing = (self.plain)();
-        let mut missing = Vec::new();
-        for field in self.fields {
-            if field.keys[0].fallback == Fallback::Required {
-                table.require(field.key())?;
-            }
-            let is_given = field.keys.iter().any(|key| table.get(key.name).is_some());
-            (field.slot)(&mut thing).read(table, field.keys, files)?;
-            let effect = if is_given { field.when_given } else { None };
-            effect.into_iter().for_each(|effect| effect(&mut thing));
-            if !is_given {
-                (field.slot)(&mut thing).fall_back(field.keys[0].fallback);
-                missing.extend(field.when_missing);
-            }
-        }
-        missing.into_iter().for_each(|default| default(&mut thing));
-        self.keep_rules(table, &thing)?;
-        Ok(thing)
-    }
-
-    /// The thing with the changes of a table, whose keys are already known to be allowed.
-    ///
-    /// # Errors
-    /// A value is not allowed.
-    pub fn change(&self, mut thing: T, table: &Table<'_>, files: &mut FileList) -> Result<T, SceneError> {
-        for field in self.fields {
-            (field.slot)(&mut thing).read(table, field.keys, files)?;
-            let is_given = field.keys.iter().any(|key| table.get(key.name).is_some());
-            let effect = if is_given { field.when_given } else { None };
-            effect.into_iter().for_each(|effect| effect(&mut thing));
-        }
-        self.keep_rules(table, &thing)?;
-        Ok(thing)
-    }
-
-    /// The thing of a whole table, which names no files.
-    ///
-    /// # Errors
-    /// A key is unknown or missing, or a value not allowed.
-    pub fn of_table(&self, table: Table<'_>) -> Result<T, SceneError> {
-        self.read(&table.allow(&self.keys())?, &mut FileList::default())
-    }
-
-    /// The thing with the changes of a whole table, which names no files.
-    ///
-    /// # Errors
-    /// A key is unknown, or a value not allowed.
-    pub fn changed_by(&self, thing: T, table: Table<'_>) -> Result<T, SceneError> {
-        self.change(thing, &table.allow(&self.keys())?, &mut FileList::default())
-    }
-
-    /// Refuses a thing that breaks a rule.
-    fn keep_rules(&self, table: &Table<'_>, thing: &T) -> Result<(), SceneError> {
-        for rule in self.rules {
-            let Some(must_be) = (rule.broken)(thing) else { continue };
-            let Some(item) = table.get(rule.key) else {
-                let (path, default) = (table.path_of(rule.key), self.shown(thing, rule.key));
-                let message = format!("{path} is {default} by default, but must be {must_be}");
-                return Err(table.error(message).with_help(rule.help));
-            };
-            return Err(item.refuse(&must_be));
-        }
-        Ok(())
-    }
-}
-
-impl Slot<'_> {
-    /// Takes the number of a key that is missing.
-    fn fall_back(self, fallback: Fallback) {
-        if let (Fallback::Number(x), Self::Number(slot, _) | Self::Length(slot, _) | Self::Angle(slot, _)) =
-            (fallback, self)
-        {
-            *slot = x;
-        }
-    }
-
+impl SceneSlot<'_> {
     /// Replaces the value by that of its keys, if they are there.
-    fn read(self, table: &Table<'_>, keys: &[Key], files: &mut FileList) -> Result<(), SceneError> {
+    pub(super) fn read_keys(
+        self,
+        table: &Table<'_>,
+        keys: &[Key],
+        files: &mut FileList,
+    ) -> Result<(), SceneError> {
         match self {
             Self::Direction(direction, from) => return read_direction(table, direction, from),
             Self::Edges { center, edges } => return read_edges(table, center, edges),
@@ -413,10 +335,6 @@ fn read_wrap(item: &Item<'_>) -> Result<[Wrap; 2], SceneError> {
         *wrap = word.word()?;
     }
     Ok(wraps)
-}
-
-impl Word for Unit {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
 }
 
 impl Word for ColorSpace {

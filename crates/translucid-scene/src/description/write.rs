@@ -1,65 +1,19 @@
-//! Writing a thing's fields as the keys and values of a table.
+//! Writing the fields of a scene's things as the keys and values of a table.
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{Mat3, Vec3};
+use translucid_words::{Entry, Key, Value, digits, is_same};
 
-use super::field::{Field, Key, Slot, Thing};
 use super::layers::write_layers;
-use super::value::{Entry, Value, digits};
+use super::slot::SceneSlot;
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceModel};
 
-impl<T: Clone> Thing<T> {
-    /// Every key with its value, from which the thing is read again, but for its images.
-    pub fn write(&self, thing: &T) -> Vec<Entry> {
-        self.write_at(thing, DVec3::ZERO)
-    }
-
-    /// As [`write`](Self::write), of a thing in a scene of this [origin](crate::Scene::origin).
-    pub fn write_at(&self, thing: &T, origin: DVec3) -> Vec<Entry> {
-        let mut copy = thing.clone();
-        let entries = |field: &Field<T>| match (field.slot)(&mut copy) {
-            Slot::Point(point) if origin != DVec3::ZERO => {
-                let from_world = [0, 1, 2].map(|axis| digits(point[axis]) + origin[axis]);
-                vec![Entry::new(field.key(), Value::list(&from_world))]
-            }
-            slot => slot.write(field.keys),
-        };
-        self.fields.iter().flat_map(entries).collect()
-    }
-
-    /// The value of a key, as messages have it.
-    pub(super) fn shown(&self, thing: &T, key: &str) -> String {
-        let entry = self.write(thing).into_iter().find(|entry| entry.key == key);
-        entry.map_or(String::new(), |entry| format!("{:#}", entry.value))
-    }
-
-    /// The keys by which a thing differs from another, with their values.
-    pub fn write_changes(&self, from: &T, to: &T) -> Vec<Entry> {
-        let (mut from, mut to) = (from.clone(), to.clone());
-        let changes = |field: &Field<T>| {
-            let (old, new) = ((field.slot)(&mut from), (field.slot)(&mut to));
-            match (old, new) {
-                (Slot::Scalar(old, _), Slot::Scalar(new, _)) => scalar_change(field.key(), old, new),
-                (Slot::Color(old, _), Slot::Color(new, _)) => color_change(field.key(), old, new),
-                (Slot::NormalMap(old), Slot::NormalMap(new)) => normal_change(field.key(), *old, *new),
-                (old, new) => {
-                    let (old, new) = (old.write(field.keys), new.write(field.keys));
-                    if is_same(&old, &new) { Vec::new() } else { new }
-                }
-            }
-        };
-        self.fields.iter().flat_map(changes).collect()
-    }
-}
-
-/// Whether entries are written alike: 0 and -0 are not.
-fn is_same(old: &[Entry], new: &[Entry]) -> bool {
-    old.len() == new.len() && old.iter().zip(new).all(|(old, new)| old.to_string() == new.to_string())
-}
-
-impl Slot<'_> {
-    /// The keys with their values.
-    pub fn write(self, keys: &[Key]) -> Vec<Entry> {
+impl SceneSlot<'_> {
+    /// The keys with their values, points counted from the origin.
+    pub(super) fn write_keys(self, keys: &[Key], origin: [f64; 3]) -> Vec<Entry> {
         let value: Value = match self {
+            Self::Point(point) if origin != [0.0; 3] => {
+                Value::list(&[0, 1, 2].map(|axis| digits(point[axis]) + origin[axis]))
+            }
             Self::Absent | Self::Image(_) | Self::NormalMap(_) => return Vec::new(),
             Self::Flag(flag) => (*flag).into(),
             Self::Count(n, _) => (*n).into(),
@@ -68,13 +22,13 @@ impl Slot<'_> {
             Self::Word(word) => word.name().into(),
             Self::Number(x, _) | Self::Length(x, _) | Self::Angle(x, _) => (*x).into(),
             Self::Pair(pair, _) => Value::list(&pair.to_array()),
-            Self::Point(vector) | Self::Vector(vector) => (*vector).into(),
-            Self::Radiance(color) | Self::Power(color) => Value::color(*color),
+            Self::Point(vector) | Self::Vector(vector) => vector.to_array().into(),
+            Self::Radiance(color) | Self::Power(color) => Value::color(color.to_array()),
             Self::Scalar(input, _) => input.factor.into(),
-            Self::Color(input, _) => Value::color(input.factor),
+            Self::Color(input, _) => Value::color(input.factor.to_array()),
             Self::Direction(direction, _) => return vec![direction_entry(*direction)],
             Self::Edges { edges: [x, y], .. } => {
-                return vec![Entry::new("edge_x", *x), Entry::new("edge_y", *y)];
+                return vec![Entry::new("edge_x", x.to_array()), Entry::new("edge_y", y.to_array())];
             }
             Self::Projection(Projection::Perspective { horizontal_fov }) => {
                 return vec![Entry::new("fov", *horizontal_fov)];
@@ -91,10 +45,26 @@ impl Slot<'_> {
     }
 }
 
+impl SceneSlot<'_> {
+    /// The keys by which a value differs from another. An image stays or goes; another one is not written.
+    pub(super) fn write_change(old: Self, new: Self, keys: &[Key]) -> Vec<Entry> {
+        let key = keys[0].name;
+        match (old, new) {
+            (Self::Scalar(old, _), Self::Scalar(new, _)) => scalar_change(key, old, new),
+            (Self::Color(old, _), Self::Color(new, _)) => color_change(key, old, new),
+            (Self::NormalMap(old), Self::NormalMap(new)) => normal_change(key, *old, *new),
+            (old, new) => {
+                let [old, new] = [old, new].map(|slot| slot.write_keys(keys, [0.0; 3]));
+                if is_same(&old, &new) { Vec::new() } else { new }
+            }
+        }
+    }
+}
+
 /// A direction, in the form that is not normalized where that would change its bits.
 fn direction_entry(direction: Vec3) -> Entry {
     let is_kept = direction.as_dvec3().try_normalize().map(|read| read.as_vec3()) == Some(direction);
-    Entry::new(if is_kept { "direction" } else { "unit_direction" }, direction)
+    Entry::new(if is_kept { "direction" } else { "unit_direction" }, direction.to_array())
 }
 
 fn rotation_entry(matrix: Mat3) -> Entry {
@@ -132,13 +102,13 @@ fn color_change(key: &str, old: &ColorInput, new: &ColorInput) -> Vec<Entry> {
     }
     let value = match new.vertex_color {
         true if new.texture.is_none() && new.factor == Vec3::ONE => "vertex".into(),
-        false if new.texture.is_none() => Value::color(new.factor),
+        false if new.texture.is_none() => Value::color(new.factor.to_array()),
         vertex_color => {
             let mut entries = Vec::new();
             if old.texture.is_some() && new.texture.is_none() {
                 entries.push(Entry::new("file", "none"));
             }
-            entries.push(Entry::new("factor", Value::color(new.factor)));
+            entries.push(Entry::new("factor", Value::color(new.factor.to_array())));
             entries.push(Entry::new("vertex_color", vertex_color));
             entries.into()
         }

@@ -2,20 +2,10 @@
 
 use super::{CameraVisibility, Material, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt};
 use crate::SceneError;
-use crate::description::{Counts, Fallback, Key, List, Part, Rule, Slot, Thing, Word, field};
-use crate::interval::Interval;
-use crate::material::{Configuration, SubsurfaceParameter};
+use crate::description::{Counts, Fallback, Key, List, Part, Rule, SceneSlot, Thing, Visit, Word, field};
+use translucid_words::Interval;
 
 use Fallback::{Plain, Words};
-
-impl Word for SubsurfaceParameter {
-    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
-}
-
-impl Word for Configuration {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
-}
 
 impl Word for SubsurfaceTextureAt {
     const WORDS: &'static [(&'static str, Self)] =
@@ -32,29 +22,29 @@ impl Word for CameraVisibility {
 }
 
 const MODEL: &[Key] = &[
-    Key {
-        name: "subsurface_model",
-        doc: "a model of the list below, or `\"none\"` (Lambertian)",
-        fallback: Words("`\"default\"`, which is a [random walk or a profile](#which-model-by-default)"),
-    },
-    Key {
-        name: "subsurface_table",
-        doc: "path of a CSV file with a profile of your own, in place of `subsurface_model`",
-        fallback: Words("–"),
-    },
+    Key::new(
+        "subsurface_model",
+        "a model of the list below, or `\"none\"` (Lambertian)",
+        Words("`\"default\"`, which is a [random walk or a profile](#which-model-by-default)"),
+    ),
+    Key::new(
+        "subsurface_table",
+        "path of a CSV file with a profile of your own, in place of `subsurface_model`",
+        Words("–"),
+    ),
 ];
 
-const LAYERS: &[Key] = &[Key {
-    name: "layer",
-    doc: "[layers](#layers) of other media, from the surface inwards, each a `[[material.layer]]`; `\"none\"` takes away those of a file that this one extends",
-    fallback: Words("none"),
-}];
+const LAYERS: &[Key] = &[Key::new(
+    "layer",
+    "[layers](#layers) of other media, from the surface inwards, each a `[[material.layer]]`; `\"none\"` takes away those of a file that this one extends",
+    Words("none"),
+)];
 
 /// Requirements of layers, which are for random walks and their own profile.
 const RULES: &[Rule<Material>] = &[
-    Rule { key: "subsurface_table", broken: |m| no_walk(m, true), help: LEAVE_OUT_LAYERS },
-    Rule { key: "subsurface_model", broken: |m| no_walk(m, false), help: LEAVE_OUT_LAYERS },
-    Rule {
+    Rule::Holds { key: "subsurface_table", broken: |m| no_walk(m, true), help: LEAVE_OUT_LAYERS },
+    Rule::Holds { key: "subsurface_model", broken: |m| no_walk(m, false), help: LEAVE_OUT_LAYERS },
+    Rule::Holds {
         key: "subsurface_model",
         broken: |m| {
             let fault =
@@ -63,7 +53,7 @@ const RULES: &[Rule<Material>] = &[
         },
         help: "layers have one profile for all of a material",
     },
-    Rule {
+    Rule::Holds {
         key: "geometry_thin_walled",
         broken: |m| {
             let is_broken = !m.layers.is_empty() && m.geometry_thin_walled;
@@ -86,33 +76,28 @@ fn no_walk(material: &Material, is_table: bool) -> Option<String> {
     is_broken.then(|| format!("{what}, because the material has layers"))
 }
 
-const NORMAL: &[Key] =
-    &[Key { name: "geometry_normal", doc: "path of a normal map, or a table", fallback: Words("none") }];
+const NORMAL: &[Key] = &[Key::new("geometry_normal", "path of a normal map, or a table", Words("none"))];
 
 impl Material {
     /// The keys of a material besides its parameters: its name, and the origin of what it does not state.
     pub const ORIGIN_KEYS: &[Key] = &[
-        Key { name: "name", doc: "text, unique among the materials", fallback: Words("must be given") },
-        Key {
-            name: "preset",
-            doc: "name of a preset, which gives the defaults of all other keys; its lengths are converted to the scene's unit",
-            fallback: Words("none"),
-        },
-        Key {
-            name: "file",
-            doc: "path of a [MaterialX document](materials.md#from-materialx) (.mtlx) in place of a preset: its material gives the defaults of all other keys",
-            fallback: Words("none"),
-        },
-        Key {
-            name: "file_material",
-            doc: "name of the material in the document",
-            fallback: Words("the only one"),
-        },
-        Key {
-            name: "file_unit",
-            doc: "unit of the document's lengths that state none: `\"mm\"`, `\"cm\"` or `\"m\"`",
-            fallback: Words("the scene's, with a warning"),
-        },
+        Key::new("name", "text, unique among the materials", Words("must be given")),
+        Key::new(
+            "preset",
+            "name of a preset, which gives the defaults of all other keys; its lengths are converted to the scene's unit",
+            Words("none"),
+        ),
+        Key::new(
+            "file",
+            "path of a [MaterialX document](materials.md#from-materialx) (.mtlx) in place of a preset: its material gives the defaults of all other keys",
+            Words("none"),
+        ),
+        Key::new("file_material", "name of the material in the document", Words("the only one")),
+        Key::new(
+            "file_unit",
+            "unit of the document's lengths that state none: `\"mm\"`, `\"cm\"` or `\"m\"`",
+            Words("the scene's, with a warning"),
+        ),
     ];
 
     /// The parameters by their keys.
@@ -121,68 +106,68 @@ impl Material {
         doc: "a surface with the parameter names of OpenPBR",
         plain: Self::default,
         fields: &[
-            field!(Material { base_weight } => Slot::Number(base_weight, Interval::UNIT),
+            field!(Material { base_weight } => SceneSlot::Number(base_weight, Interval::UNIT),
                 "number {range}", Plain),
-            field!(Material { base_color } => Slot::Color(base_color, Interval::UNIT),
+            field!(Material { base_color } => SceneSlot::Color(base_color, Interval::UNIT),
                 "color {range}: diffuse albedo, or a metal's reflectance", Plain),
-            field!(Material { base_metalness } => Slot::Scalar(base_metalness, Interval::UNIT),
+            field!(Material { base_metalness } => SceneSlot::Scalar(base_metalness, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { specular_weight } => Slot::Scalar(specular_weight, Interval::UNIT),
+            field!(Material { specular_weight } => SceneSlot::Scalar(specular_weight, Interval::UNIT),
                 "scalar {range}; 0 removes the interface", Plain),
-            field!(Material { specular_color } => Slot::Color(specular_color, Interval::UNIT),
+            field!(Material { specular_color } => SceneSlot::Color(specular_color, Interval::UNIT),
                 "color {range}", Plain),
-            field!(Material { specular_roughness } => Slot::Scalar(specular_roughness, Interval::UNIT),
+            field!(Material { specular_roughness } => SceneSlot::Scalar(specular_roughness, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { specular_ior } => Slot::Number(specular_ior, Interval::IOR),
+            field!(Material { specular_ior } => SceneSlot::Number(specular_ior, Interval::IOR),
                 "number {range}", Plain),
-            field!(Material { transmission_weight } => Slot::Scalar(transmission_weight, Interval::UNIT),
+            field!(Material { transmission_weight } => SceneSlot::Scalar(transmission_weight, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { transmission_color } => Slot::Color(transmission_color, Interval::UNIT),
+            field!(Material { transmission_color } => SceneSlot::Color(transmission_color, Interval::UNIT),
                 "color {range}", Plain),
-            field!(Material { transmission_depth } => Slot::Length(transmission_depth, Interval::LENGTH),
+            field!(Material { transmission_depth } => SceneSlot::Length(transmission_depth, Interval::LENGTH),
                 "length ≥ 0 at which `transmission_color` is reached; 0 tints each crossing", Plain),
-            field!(Material { subsurface_weight } => Slot::Scalar(subsurface_weight, Interval::UNIT),
+            field!(Material { subsurface_weight } => SceneSlot::Scalar(subsurface_weight, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { subsurface_color } => Slot::Color(subsurface_color, Interval::UNIT),
+            field!(Material { subsurface_color } => SceneSlot::Color(subsurface_color, Interval::UNIT),
                 "color {range}: surface albedo A", Plain),
-            field!(Material { subsurface_radius } => Slot::Scalar(subsurface_radius, Interval::LENGTH),
+            field!(Material { subsurface_radius } => SceneSlot::Scalar(subsurface_radius, Interval::LENGTH),
                 "scalar, a length ≥ 0: mean free path ℓ, or ℓ_d", Plain),
-            field!(Material { subsurface_radius_scale } => Slot::Color(subsurface_radius_scale, Interval::FACTOR),
+            field!(Material { subsurface_radius_scale } => SceneSlot::Color(subsurface_radius_scale, Interval::FACTOR),
                 "color {range}: factor on it for each channel", Plain),
-            field!(Material { subsurface_scatter_anisotropy } => Slot::Number(subsurface_scatter_anisotropy, Interval::open(-1.0, 1.0)),
+            field!(Material { subsurface_scatter_anisotropy } => SceneSlot::Number(subsurface_scatter_anisotropy, Interval::open(-1.0, 1.0)),
                 "mean cosine g {range}, for models that know a phase function", Plain),
-            field!(Material { subsurface_eta } => Slot::Number(subsurface_eta, Interval::closed(0.5, 3.0)),
+            field!(Material { subsurface_eta } => SceneSlot::Number(subsurface_eta, Interval::closed(0.5, 3.0)),
                 "relative index of refraction {range} at the inside of the surface, for models that know a boundary; 1 is index-matched, whatever `specular_ior` is", Plain),
-            field!(Material { subsurface_flights } => Slot::Number(subsurface_flights, Interval::closed(2.0, 65536.0)),
+            field!(Material { subsurface_flights } => SceneSlot::Number(subsurface_flights, Interval::closed(2.0, 65536.0)),
                 "flights after which a random walk is given up, a whole number {range}; fewer make bright materials darker", Plain),
-            field!(Material { coat_weight } => Slot::Scalar(coat_weight, Interval::UNIT),
+            field!(Material { coat_weight } => SceneSlot::Scalar(coat_weight, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { coat_color } => Slot::Color(coat_color, Interval::UNIT),
+            field!(Material { coat_color } => SceneSlot::Color(coat_color, Interval::UNIT),
                 "color {range}", Plain),
-            field!(Material { coat_roughness } => Slot::Scalar(coat_roughness, Interval::UNIT),
+            field!(Material { coat_roughness } => SceneSlot::Scalar(coat_roughness, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { coat_ior } => Slot::Number(coat_ior, Interval::IOR), "number {range}", Plain),
-            field!(Material { emission_luminance } => Slot::Number(emission_luminance, Interval::LIGHT),
+            field!(Material { coat_ior } => SceneSlot::Number(coat_ior, Interval::IOR), "number {range}", Plain),
+            field!(Material { emission_luminance } => SceneSlot::Number(emission_luminance, Interval::LIGHT),
                 "number ≥ 0: factor on `emission_color`", Plain),
-            field!(Material { emission_color } => Slot::Color(emission_color, Interval::FACTOR),
+            field!(Material { emission_color } => SceneSlot::Color(emission_color, Interval::FACTOR),
                 "color {range}; times the factor the emitted radiance", Plain),
-            field!(Material { geometry_opacity } => Slot::Scalar(geometry_opacity, Interval::UNIT),
+            field!(Material { geometry_opacity } => SceneSlot::Scalar(geometry_opacity, Interval::UNIT),
                 "scalar {range}", Plain),
-            field!(Material { geometry_thin_walled } => Slot::Flag(geometry_thin_walled),
+            field!(Material { geometry_thin_walled } => SceneSlot::Flag(geometry_thin_walled),
                 "whether it is a [sheet without an inside](materials.md#thin-walled-surfaces), such as a leaf or a pane", Plain),
-            field!(Material { layers } => Slot::Layers(layers); LAYERS),
-            field!(Material { subsurface_model } => Slot::Model(subsurface_model); MODEL),
-            field!(Material { subsurface_parameter } => Slot::Word(subsurface_parameter),
+            field!(Material { layers } => SceneSlot::Layers(layers); LAYERS),
+            field!(Material { subsurface_model } => SceneSlot::Model(subsurface_model); MODEL),
+            field!(Material { subsurface_parameter } => SceneSlot::Word(subsurface_parameter),
                 "`\"mfp\"`: the radius is ℓ in the volume; `\"dmfp\"`: ℓ_d on the surface", Plain),
-            field!(Material { subsurface_configuration } => Slot::Word(subsurface_configuration),
+            field!(Material { subsurface_configuration } => SceneSlot::Word(subsurface_configuration),
                 "`\"searchlight\"` or `\"diffuse\"`: the incident light that the profile is made for, for models that tell the two apart", Plain),
-            field!(Material { subsurface_texture_at } => Slot::Word(subsurface_texture_at),
+            field!(Material { subsurface_texture_at } => SceneSlot::Word(subsurface_texture_at),
                 "`\"exit\"`, `\"entry\"` or `\"both\"`: whose A and ℓ count where textures or vertex colors give entry and exit point different ones ([what they look like](../accuracy/textures.md))", Plain),
-            field!(Material { subsurface_normalization } => Slot::Word(subsurface_normalization),
+            field!(Material { subsurface_normalization } => SceneSlot::Word(subsurface_normalization),
                 "`\"none\"`, or `\"energy\"`: any shape returns A in uniform light, however thin or curved, at many times the rendering time ([when to use it](../accuracy/thin-parts.md))", Plain),
-            field!(Material { camera_visibility } => Slot::Word(camera_visibility),
+            field!(Material { camera_visibility } => SceneSlot::Word(camera_visibility),
                 "what the camera sees of it: `\"surface\"`; `\"shadow\"`, only the shadows on it, black with the share of direct light that is missing as alpha; `\"none\"`. Other rays meet it as it is", Plain),
-            field!(Material { geometry_normal } => Slot::NormalMap(geometry_normal); NORMAL),
+            field!(Material { geometry_normal } => SceneSlot::NormalMap(geometry_normal); NORMAL),
         ],
         rules: RULES,
     };
@@ -211,7 +196,7 @@ impl Material {
     }
 
     pub(crate) fn check(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
-        Self::DESCRIPTION.check(self, Counts { images, profile_tables })
+        Self::DESCRIPTION.check(self, &Counts { images, profile_tables })
     }
 
     /// Every reference to an image.

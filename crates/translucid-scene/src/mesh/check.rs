@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Mesh, Triangle};
 use crate::SceneError;
-use crate::interval::{Interval, refusal};
+use translucid_words::{Interval, refusal};
 
 /// Largest coordinate of a usable vertex \[L\].
 ///

@@ -1,7 +1,7 @@
 //! Documents that are sound, and hostile ones.
 
 use glam::{Vec2, Vec3};
-use translucid_scene::description::Slot;
+use translucid_scene::description::SceneSlot;
 use translucid_scene::{Channel, ColorInput, ColorSpace, ScalarInput, Wrap};
 use translucid_testing::mutants;
 
@@ -69,15 +69,15 @@ fn every_parameter_of_openpbr_is_read_and_nothing_else_changes() {
         };
         let mut changed = Material { name: "S".into(), ..Material::default() };
         let kind = match (parameter.slot)(&mut changed) {
-            Slot::Number(number, _) | Slot::Length(number, _) => {
+            SceneSlot::Number(number, _) | SceneSlot::Length(number, _) => {
                 *number = expected;
                 "float"
             }
-            Slot::Scalar(input, _) => {
+            SceneSlot::Scalar(input, _) => {
                 input.factor = expected;
                 "float"
             }
-            Slot::Color(input, _) => {
+            SceneSlot::Color(input, _) => {
                 input.factor = Vec3::splat(expected);
                 "color3"
             }

@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use tempfile::TempDir;
-use translucid_scene::description::{Content, Provenance, Slot, Value, quoted};
+use translucid_scene::description::{Content, Provenance, SceneSlot, Value, quoted};
 use translucid_scene::{
     CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, LayerMedium, Light,
     Material, Projection, Scene, SceneError, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel,
@@ -224,12 +224,12 @@ impl Random {
                 continue;
             }
             match (parameter.slot)(material) {
-                Slot::Number(number, _) | Slot::Length(number, _) => *number = self.number(),
-                Slot::Scalar(input, _) => {
+                SceneSlot::Number(number, _) | SceneSlot::Length(number, _) => *number = self.number(),
+                SceneSlot::Scalar(input, _) => {
                     input.factor = self.number();
                     input.texture = input.texture.filter(|_| !self.chance(4));
                 }
-                Slot::Color(input, _) => {
+                SceneSlot::Color(input, _) => {
                     input.factor = if self.chance(3) { Vec3::splat(self.number()) } else { self.vector() };
                     match self.0.below(8) {
                         0 => input.texture = None,

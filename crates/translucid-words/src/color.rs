@@ -1,16 +1,14 @@
 //! Colors as words.
 
-use glam::Vec3;
-
 /// Linear color of `#rrggbb` in sRGB (IEC 61966-2-1).
-pub fn hexadecimal_color(text: &str) -> Option<Vec3> {
+pub fn hexadecimal_color(text: &str) -> Option<[f32; 3]> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
     if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
         return None;
     }
     let packed = u32::from_str_radix(digits, 16).ok()?;
     let channel = |shift: u32| linear_from_srgb(f64::from((packed >> shift) & 255) / 255.0) as f32;
-    Some(Vec3::new(channel(16), channel(8), channel(0)))
+    Some([channel(16), channel(8), channel(0)])
 }
 
 /// Linear value of a channel in sRGB.
@@ -24,11 +22,12 @@ mod tests {
 
     #[test]
     fn hexadecimal_colors_are_decoded_from_srgb() {
-        assert_eq!(hexadecimal_color("#ffffff"), Some(Vec3::ONE));
-        assert_eq!(hexadecimal_color("#000000"), Some(Vec3::ZERO));
+        assert_eq!(hexadecimal_color("#ffffff"), Some([1.0; 3]));
+        assert_eq!(hexadecimal_color("#000000"), Some([0.0; 3]));
         // IEC 61966-2-1: code 188 is 0.5029 of linear light, code 10 is 10 / 255 / 12.92.
         let color = hexadecimal_color("#BC0a00").unwrap();
-        assert!((color - Vec3::new(0.502_886, 0.003_035_3, 0.0)).abs().max_element() < 1e-6, "{color}");
+        let expected = [0.502_886, 0.003_035_3, 0.0];
+        assert!(color.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{color:?}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! Ranges that numbers of a scene must be in, the same for scenes from files and scenes made in code.
+//! Ranges that numbers must be in, the same for those from files and those from code.
 
 use std::fmt;
 
-use crate::SceneError;
+use crate::Error;
 
 /// An interval of numbers; its ends are finite, so nothing infinite is in it, and no NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Interval {
     ///
     /// # Errors
     /// It is not: the message names field, number and interval.
-    pub fn check(self, field: &str, value: f32) -> Result<(), SceneError> {
+    pub fn check(self, field: &str, value: f32) -> Result<(), Error> {
         if self.contains_single(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
     }
 
@@ -100,7 +100,7 @@ impl Interval {
     ///
     /// # Errors
     /// As [`check`](Self::check).
-    pub fn check_double(self, field: &str, value: f64) -> Result<(), SceneError> {
+    pub fn check_double(self, field: &str, value: f64) -> Result<(), Error> {
         if self.contains(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
     }
 
@@ -108,7 +108,7 @@ impl Interval {
     ///
     /// # Errors
     /// As [`check`](Self::check).
-    pub fn check_all(self, field: &str, values: impl AsRef<[f32]>) -> Result<(), SceneError> {
+    pub fn check_all(self, field: &str, values: impl AsRef<[f32]>) -> Result<(), Error> {
         let mut numbered = values.as_ref().iter().enumerate();
         match numbered.find(|&(_, &value)| !self.contains_single(value)) {
             Some((i, &value)) => Err(refusal(format!("{field}[{i}]"), Written(value), self.must_be())),
@@ -150,7 +150,7 @@ impl WholeInterval {
     ///
     /// # Errors
     /// It is not: the message names field, number and interval.
-    pub fn check(self, field: &str, value: impl Into<u64>) -> Result<(), SceneError> {
+    pub fn check(self, field: &str, value: impl Into<u64>) -> Result<(), Error> {
         let value = value.into();
         if self.contains(value) { Ok(()) } else { Err(refusal(field, value, self)) }
     }
@@ -163,16 +163,12 @@ impl fmt::Display for WholeInterval {
 }
 
 /// The error of a field with a value that it must not have: "FIELD = VALUE: must be …".
-pub(crate) fn refusal(
-    field: impl fmt::Display,
-    value: impl fmt::Display,
-    must_be: impl fmt::Display,
-) -> SceneError {
-    SceneError::new(format!("{field} = {value}: must be {must_be}"))
+pub fn refusal(field: impl fmt::Display, value: impl fmt::Display, must_be: impl fmt::Display) -> Error {
+    Error::new(format!("{field} = {value}: must be {must_be}"))
 }
 
-/// Refuses an index that is not below the number of things of a kind in the scene.
-pub(crate) fn check_index(field: &str, index: usize, count: usize, things: &str) -> Result<(), SceneError> {
+/// Refuses an index that is not below the number of things of a kind.
+pub fn check_index(field: &str, index: usize, count: usize, things: &str) -> Result<(), Error> {
     if index < count {
         return Ok(());
     }

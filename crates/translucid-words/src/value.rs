@@ -1,17 +1,15 @@
 //! A value as somebody gave it, whatever he wrote it in.
 
+use std::any::Any;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::Vec3;
-
-use crate::Image;
 use crate::interval::Written;
 
-/// A value of a key, from a scene file, from a page or from Python.
+/// A value of a key, from a file, a command line, a page or Python.
 ///
-/// It is displayed as a scene file has it, so that every number reads back to the same bits; `{:#}` as messages have it, where
+/// It is displayed as a file has it, so that every number reads back to the same bits; `{:#}` as messages have it, where
 /// 1 may be whole or not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Value {
@@ -36,10 +34,33 @@ pub enum Content {
     List(Vec<Value>),
     /// Values by their keys.
     Table(Vec<Entry>),
-    /// An image at hand, where the path of a file could stand.
-    Image(Arc<Image>),
+    /// A number for each of several channels or elements.
+    Numbers(Arc<[f64]>),
+    /// A thing at hand, where the path of a file could stand.
+    Object(Object),
     /// Something that no key takes, by what it is: "a date".
     Other(&'static str),
+}
+
+/// A thing at hand: an image, for example.
+#[derive(Clone)]
+pub struct Object {
+    /// Its name.
+    pub name: String,
+    /// The thing.
+    pub data: Arc<dyn Any + Send + Sync>,
+}
+
+impl PartialEq for Object {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.data, &other.data)
+    }
+}
+
+impl fmt::Debug for Object {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Object({:?})", self.name)
+    }
 }
 
 /// A key of a table with its value.
@@ -84,10 +105,10 @@ values! {
     f64: |x| Content::Float(x);
     &str: |text| Content::Text(text.to_owned());
     String: |text| Content::Text(text);
-    Arc<Image>: |image| Content::Image(image);
+    Object: |object| Content::Object(object);
     Vec<Value>: |values| Content::List(values);
     Vec<Entry>: |entries| Content::Table(entries);
-    Vec3: |vector| Value::list(&vector.to_array());
+    [f32; 3]: |vector| Value::list(&vector);
 }
 
 impl Value {
@@ -97,14 +118,14 @@ impl Value {
     }
 
     /// A color: one number where the channels are equal.
-    pub(crate) fn color(color: Vec3) -> Self {
-        let channels = color.to_array().map(f32::to_bits);
-        if channels == [channels[0]; 3] { color.x.into() } else { color.into() }
+    pub fn color(color: [f32; 3]) -> Self {
+        let channels = color.map(f32::to_bits);
+        if channels == [channels[0]; 3] { color[0].into() } else { color.into() }
     }
 }
 
 /// The double of the fewest digits that reads back to a number in single precision.
-pub(super) fn digits(x: f32) -> f64 {
+pub fn digits(x: f32) -> f64 {
     match format!("{x:?}").parse::<f64>() {
         Ok(read) if (read as f32).to_bits() == x.to_bits() => read,
         _ => f64::from(x),
@@ -130,7 +151,12 @@ impl fmt::Display for Value {
                 write_list(f, entries.iter())?;
                 f.write_str(" }")
             }
-            Content::Image(image) => write!(f, "the image {}", quoted(&image.name)),
+            Content::Numbers(numbers) => {
+                f.write_str("[")?;
+                write_list(f, numbers.iter().map(|number| Value::from(*number)))?;
+                f.write_str("]")
+            }
+            Content::Object(object) => write!(f, "the image {}", quoted(&object.name)),
             Content::Other(kind) => f.write_str(kind),
         }
     }
@@ -151,7 +177,7 @@ fn write_list(f: &mut fmt::Formatter<'_>, list: impl Iterator<Item = impl fmt::D
     Ok(())
 }
 
-/// A text in quotes, as scene files have it.
+/// A text in quotes, as files have it.
 pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
@@ -177,8 +203,8 @@ mod tests {
             (Value::from(1e-7_f32), "1e-7"),
             (Value::from(u64::MAX), "18446744073709551615"),
             (Value::from("a\"b\n"), "\"a\\\"b\\u000A\""),
-            (Value::from(Vec3::new(1.0, -0.0, 2.5)), "[1.0, -0.0, 2.5]"),
-            (Value::color(Vec3::ONE), "1.0"),
+            (Value::from([1.0, -0.0, 2.5]), "[1.0, -0.0, 2.5]"),
+            (Value::color([1.0; 3]), "1.0"),
             (Value::from(table), "{ factor = 0.5, on = true }"),
         ] {
             assert_eq!(value.to_string(), text);

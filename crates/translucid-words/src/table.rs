@@ -4,14 +4,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
-use translucid_profile::nearest;
-
-use super::color::hexadecimal_color;
-use super::field::Word;
+use super::thing::Word;
 use super::value::{Content, Entry, Value};
+use crate::color::hexadecimal_color;
 use crate::interval::{Interval, WholeInterval};
-use crate::{Place, SceneError};
+use crate::nearest::nearest;
+use crate::{Error, Place};
 
 /// What values were read from, into which errors point.
 #[derive(Clone, Debug)]
@@ -25,7 +23,41 @@ pub struct Provenance {
     /// The part of a scene that the values are about, where they are in no file.
     part: Option<String>,
     /// The origin of the scene, from which the points that are read are counted.
-    origin: DVec3,
+    origin: [f64; 3],
+    /// How keys of the outermost table are spelled.
+    spelling: Spelling,
+}
+
+/// The way in which a door spells the keys of a question.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spelling {
+    /// As they are: `surface_albedo`.
+    #[default]
+    Keys,
+    /// As options of a command: `--surface-albedo`.
+    Flags,
+    /// As in JavaScript: `surfaceAlbedo`.
+    Camel,
+}
+
+impl Spelling {
+    /// The key in this spelling.
+    pub fn of(self, key: &str) -> String {
+        match self {
+            Self::Keys => key.to_owned(),
+            Self::Flags => format!("--{}", key.replace('_', "-")),
+            Self::Camel => {
+                let mut words = key.split('_');
+                let mut spelled = words.next().unwrap_or_default().to_owned();
+                for word in words {
+                    let mut letters = word.chars();
+                    spelled.extend(letters.next().into_iter().flat_map(char::to_uppercase));
+                    spelled += letters.as_str();
+                }
+                spelled
+            }
+        }
+    }
 }
 
 impl Provenance {
@@ -39,21 +71,28 @@ impl Provenance {
             line_ends,
             whole: "a scene",
             part: None,
-            origin: DVec3::ZERO,
+            origin: [0.0; 3],
+            spelling: Spelling::Keys,
         }
     }
 
     /// Values that are in no file: errors name the part of the scene that they are about.
     pub fn part(part: &str) -> Self {
         let (text, line_ends) = (Arc::from(""), Arc::from([]));
-        let path = PathBuf::new();
-        Self { path, text, line_ends, whole: "it", part: Some(part.to_owned()), origin: DVec3::ZERO }
+        let (path, part) = (PathBuf::new(), Some(part.to_owned()));
+        Self { path, text, line_ends, whole: "it", part, origin: [0.0; 3], spelling: Spelling::Keys }
     }
 
-    /// The same values in a scene of this [origin](crate::Scene::origin).
+    /// The same values in a scene of this origin.
     #[must_use]
-    pub fn in_scene_at(self, origin: DVec3) -> Self {
+    pub fn in_scene_at(self, origin: [f64; 3]) -> Self {
         Self { origin, ..self }
+    }
+
+    /// The same values, whose outermost keys are spelled otherwise in messages.
+    #[must_use]
+    pub fn spelled(self, spelling: Spelling) -> Self {
+        Self { spelling, ..self }
     }
 
     /// The same values, as those of another thing than a scene, which messages name.
@@ -85,8 +124,8 @@ impl Provenance {
     }
 
     /// An error at bytes of the text.
-    pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> SceneError {
-        SceneError::at(self.place(span), message)
+    pub fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+        Error::at(self.place(span), message)
     }
 }
 
@@ -114,7 +153,7 @@ impl<'a> Table<'a> {
     ///
     /// # Errors
     /// There is such a key: the first in the source.
-    pub fn allow(mut self, keys: &[&'static str]) -> Result<Self, SceneError> {
+    pub fn allow(mut self, keys: &[&'static str]) -> Result<Self, Error> {
         self.keys = keys.to_vec();
         let unknown = self.entries.iter().filter(|entry| !self.keys.contains(&entry.key.as_str()));
         match unknown.min_by_key(|entry| entry.span.start) {
@@ -123,7 +162,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn unknown(&self, entry: &Entry) -> SceneError {
+    fn unknown(&self, entry: &Entry) -> Error {
         let message = format!("{} has no key {}", self.path(), shown(&entry.key));
         let all = format!("the keys are {}", self.keys.join(", "));
         let help = match nearest(&entry.key, self.keys.iter().copied()) {
@@ -134,7 +173,7 @@ impl<'a> Table<'a> {
     }
 
     /// Origin of the scene that the table is part of.
-    pub fn origin(&self) -> DVec3 {
+    pub fn origin(&self) -> [f64; 3] {
         self.source.origin
     }
 
@@ -145,8 +184,12 @@ impl<'a> Table<'a> {
     }
 
     /// Dotted path of a key.
-    pub(super) fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    pub fn path_of(&self, key: &str) -> String {
+        match self.source.spelling {
+            spelling if self.path.is_empty() => spelling.of(key),
+            Spelling::Camel => format!("{}.{}", self.path, Spelling::Camel.of(key)),
+            _ => format!("{}.{key}", self.path),
+        }
     }
 
     /// The value of a key.
@@ -161,7 +204,7 @@ impl<'a> Table<'a> {
     ///
     /// # Errors
     /// It is not.
-    pub fn require(&self, key: &'static str) -> Result<Item<'a>, SceneError> {
+    pub fn require(&self, key: &'static str) -> Result<Item<'a>, Error> {
         self.get(key).ok_or_else(|| self.error(format!("{} needs the key {key}", self.path())))
     }
 
@@ -173,8 +216,8 @@ impl<'a> Table<'a> {
         &self,
         key: &'static str,
         default: T,
-        read: impl FnOnce(&Item<'a>) -> Result<T, SceneError>,
-    ) -> Result<T, SceneError> {
+        read: impl FnOnce(&Item<'a>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         self.get(key).map_or(Ok(default), |item| read(&item))
     }
 
@@ -182,7 +225,7 @@ impl<'a> Table<'a> {
     ///
     /// # Errors
     /// It is no such array, or has more than `limit` tables.
-    pub fn tables(&self, key: &'static str, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+    pub fn tables(&self, key: &'static str, limit: usize) -> Result<Vec<Table<'a>>, Error> {
         let Some(item) = self.get(key) else { return Ok(Vec::new()) };
         let Content::List(list) = &item.value.content else {
             return Err(item.mismatch(&format!("an array of tables, each with the header [[{key}]]")));
@@ -190,8 +233,13 @@ impl<'a> Table<'a> {
         item.elements_within(list, limit)?.iter().map(Item::table).collect()
     }
 
+    /// Its place.
+    pub fn place(&self) -> Place {
+        self.source.place(self.span.clone())
+    }
+
     /// An error of the whole table.
-    pub fn error(&self, message: impl Into<String>) -> SceneError {
+    pub fn error(&self, message: impl Into<String>) -> Error {
         self.source.error(self.span.clone(), message)
     }
 }
@@ -215,18 +263,23 @@ impl<'a> Item<'a> {
         &self.value.content
     }
 
+    /// Origin of the scene that the value is part of.
+    pub fn origin(&self) -> [f64; 3] {
+        self.source.origin
+    }
+
     /// Its place.
     pub fn place(&self) -> Place {
         self.source.place(self.value.span.clone())
     }
 
     /// An error at the value.
-    pub fn error(&self, message: impl Into<String>) -> SceneError {
+    pub fn error(&self, message: impl Into<String>) -> Error {
         self.source.error(self.value.span.clone(), message)
     }
 
     /// "KEY is VALUE, but must be …", pointing at the value.
-    pub fn refuse(&self, must_be: &str) -> SceneError {
+    pub fn refuse(&self, must_be: &str) -> Error {
         let found = match self.source.text.get(self.value.span.clone()) {
             Some(written) if !written.is_empty() => shown(written),
             _ => shown(&self.value.to_string()),
@@ -235,14 +288,15 @@ impl<'a> Item<'a> {
     }
 
     /// "KEY is a string, but must be …", pointing at the value.
-    pub fn mismatch(&self, must_be: &str) -> SceneError {
+    pub fn mismatch(&self, must_be: &str) -> Error {
         let found = match self.content() {
             Content::Text(_) => "a string",
             Content::Integer(_) | Content::Float(_) => "a number",
             Content::Flag(_) => "a truth value",
             Content::List(_) => "an array",
             Content::Table(_) => "a table",
-            Content::Image(_) => "an image",
+            Content::Numbers(_) => "an array",
+            Content::Object(_) => "an image",
             Content::Other(kind) => kind,
         };
         self.error(format!("{} is {found}, but must be {must_be}", self.path))
@@ -265,17 +319,17 @@ impl<'a> Item<'a> {
 /// The value is of another kind, or out of the range.
 impl<'a> Item<'a> {
     /// True or false.
-    pub fn flag(&self) -> Result<bool, SceneError> {
+    pub fn flag(&self) -> Result<bool, Error> {
         if let Content::Flag(flag) = self.content() { Ok(*flag) } else { Err(self.mismatch("true or false")) }
     }
 
     /// A text.
-    pub fn text(&self) -> Result<&'a str, SceneError> {
+    pub fn text(&self) -> Result<&'a str, Error> {
         self.as_text().ok_or_else(|| self.mismatch("a string"))
     }
 
     /// A text of at least one character.
-    pub fn name(&self) -> Result<String, SceneError> {
+    pub fn name(&self) -> Result<String, Error> {
         match self.text()? {
             "" => Err(self.refuse("a name that is not empty")),
             name => Ok(name.to_owned()),
@@ -283,7 +337,7 @@ impl<'a> Item<'a> {
     }
 
     /// A path, relative to the folder of the file that it was read from.
-    pub fn file(&self) -> Result<PathBuf, SceneError> {
+    pub fn file(&self) -> Result<PathBuf, Error> {
         match self.as_text() {
             None => Err(self.mismatch("the path of a file")),
             Some(path) if path.is_empty() || path.contains('\0') => Err(self.refuse("the path of a file")),
@@ -292,18 +346,18 @@ impl<'a> Item<'a> {
     }
 
     /// One of the words of a type.
-    pub fn word<T: Word>(&self) -> Result<T, SceneError> {
+    pub fn word<T: Word>(&self) -> Result<T, Error> {
         self.word_of(T::WORDS)
     }
 
     /// One of a list of words.
-    pub fn word_of<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, SceneError> {
+    pub fn word_of<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, Error> {
         let names: Vec<&str> = words.iter().map(|&(name, _)| name).collect();
         self.choice(&names).map(|number| words[number].1)
     }
 
     /// The number of one of a list of words.
-    pub fn choice(&self, names: &[&str]) -> Result<usize, SceneError> {
+    pub fn choice(&self, names: &[&str]) -> Result<usize, Error> {
         let list = names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
         let must_be = format!("one of {list}");
         let word = self.as_text().ok_or_else(|| self.mismatch(&must_be))?;
@@ -317,7 +371,7 @@ impl<'a> Item<'a> {
     }
 
     /// A whole number.
-    pub fn integer(&self, range: WholeInterval) -> Result<u64, SceneError> {
+    pub fn integer(&self, range: WholeInterval) -> Result<u64, Error> {
         let must_be = range.to_string();
         match self.content() {
             Content::Integer(n) => {
@@ -330,12 +384,12 @@ impl<'a> Item<'a> {
     }
 
     /// A whole number of 32 bits.
-    pub fn count(&self, range: WholeInterval) -> Result<u32, SceneError> {
+    pub fn count(&self, range: WholeInterval) -> Result<u32, Error> {
         self.integer(range).map(|n| n as u32)
     }
 
     /// A number in double precision.
-    pub fn double(&self, range: Interval) -> Result<f64, SceneError> {
+    pub fn double(&self, range: Interval) -> Result<f64, Error> {
         let number = match self.content() {
             Content::Integer(n) => *n as f64,
             Content::Float(x) => *x,
@@ -345,7 +399,7 @@ impl<'a> Item<'a> {
     }
 
     /// A number whose single precision is in the range.
-    pub fn number(&self, range: Interval) -> Result<f32, SceneError> {
+    pub fn number(&self, range: Interval) -> Result<f32, Error> {
         let rounded = self.double(range)? as f32;
         // Rounding may reach an open end: 1e-60 becomes 0.
         if range.contains_single(rounded) {
@@ -356,7 +410,7 @@ impl<'a> Item<'a> {
     }
 
     /// `N` numbers.
-    pub fn numbers<const N: usize>(&self, range: Interval) -> Result<[f32; N], SceneError> {
+    pub fn numbers<const N: usize>(&self, range: Interval) -> Result<[f32; N], Error> {
         let mut numbers = [0.0; N];
         for (number, item) in numbers.iter_mut().zip(self.array::<N>("numbers")?) {
             *number = item.number(range)?;
@@ -364,35 +418,20 @@ impl<'a> Item<'a> {
         Ok(numbers)
     }
 
-    /// Two numbers.
-    pub fn vec2(&self, range: Interval) -> Result<Vec2, SceneError> {
-        self.numbers(range).map(Vec2::from_array)
-    }
-
-    /// Three numbers.
-    pub fn vec3(&self, range: Interval) -> Result<Vec3, SceneError> {
-        self.numbers(range).map(Vec3::from_array)
-    }
-
-    /// Three numbers in double precision.
-    pub fn double3(&self, range: Interval) -> Result<DVec3, SceneError> {
-        let mut numbers = [0.0; 3];
-        for (number, item) in numbers.iter_mut().zip(self.array::<3>("numbers")?) {
+    /// `N` numbers in double precision.
+    pub fn doubles<const N: usize>(&self, range: Interval) -> Result<[f64; N], Error> {
+        let mut numbers = [0.0; N];
+        for (number, item) in numbers.iter_mut().zip(self.array::<N>("numbers")?) {
             *number = item.double(range)?;
         }
-        Ok(DVec3::from_array(numbers))
-    }
-
-    /// A point, counted from the origin of the scene.
-    pub fn point(&self) -> Result<Vec3, SceneError> {
-        self.double3(Interval::PLACE).map(|point| (point - self.source.origin).as_vec3())
+        Ok(numbers)
     }
 
     /// A color: a number, three numbers, or `"#rrggbb"`.
-    pub fn color(&self, range: Interval) -> Result<Vec3, SceneError> {
+    pub fn rgb(&self, range: Interval) -> Result<[f32; 3], Error> {
         match self.content() {
-            Content::Integer(_) | Content::Float(_) => self.number(range).map(Vec3::splat),
-            Content::List(_) => self.vec3(range),
+            Content::Integer(_) | Content::Float(_) => self.number(range).map(|number| [number; 3]),
+            Content::List(_) => self.numbers(range),
             Content::Text(word) => {
                 hexadecimal_color(word).ok_or_else(|| self.refuse("\"#rrggbb\" with hexadecimal digits"))
             }
@@ -401,7 +440,7 @@ impl<'a> Item<'a> {
     }
 
     /// An array of exactly `N` values; `what` names them in the message.
-    pub fn array<const N: usize>(&self, what: &str) -> Result<Vec<Item<'a>>, SceneError> {
+    pub fn array<const N: usize>(&self, what: &str) -> Result<Vec<Item<'a>>, Error> {
         let must_be = format!("an array of {N} {what}");
         match self.content() {
             Content::List(list) if list.len() == N => Ok(self.elements(list)),
@@ -414,7 +453,7 @@ impl<'a> Item<'a> {
     }
 
     /// The values of an array of at most `limit`; `what` names them in the message.
-    pub fn list(&self, what: &str, limit: usize) -> Result<Vec<Item<'a>>, SceneError> {
+    pub fn list(&self, what: &str, limit: usize) -> Result<Vec<Item<'a>>, Error> {
         let Content::List(list) = self.content() else {
             return Err(self.mismatch(&format!("an array of {what}")));
         };
@@ -422,7 +461,7 @@ impl<'a> Item<'a> {
     }
 
     /// A table, or those of an array of one or more.
-    pub fn one_or_more_tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+    pub fn one_or_more_tables(&self, limit: usize) -> Result<Vec<Table<'a>>, Error> {
         match self.content() {
             Content::List(list) if list.is_empty() => Err(self.refuse("one table or more")),
             Content::List(list) => self.elements_within(list, limit)?.iter().map(Item::table).collect(),
@@ -432,14 +471,14 @@ impl<'a> Item<'a> {
     }
 
     /// The tables of an array of tables.
-    pub(super) fn tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+    pub fn tables(&self, limit: usize) -> Result<Vec<Table<'a>>, Error> {
         match self.content() {
             Content::List(list) => self.elements_within(list, limit)?.iter().map(Item::table).collect(),
             _ => Err(self.mismatch("an array of tables")),
         }
     }
 
-    fn elements_within(&self, list: &'a [Value], limit: usize) -> Result<Vec<Item<'a>>, SceneError> {
+    fn elements_within(&self, list: &'a [Value], limit: usize) -> Result<Vec<Item<'a>>, Error> {
         if list.len() <= limit {
             return Ok(self.elements(list));
         }
@@ -458,7 +497,7 @@ impl<'a> Item<'a> {
     }
 
     /// A table, its keys still to be checked with [`Table::allow`].
-    pub fn table(&self) -> Result<Table<'a>, SceneError> {
+    pub fn table(&self) -> Result<Table<'a>, Error> {
         let Content::Table(entries) = self.content() else { return Err(self.mismatch("a table")) };
         // A table made by dotted keys has no header.
         let span = if self.value.span.is_empty() { self.key_span.clone() } else { self.value.span.clone() };

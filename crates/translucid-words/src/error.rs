@@ -5,8 +5,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use translucid_profile::InputError;
-
 /// Place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -59,7 +57,7 @@ impl fmt::Display for Place {
 
 /// An input that cannot be used: what was found, where, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneError {
+pub struct Error {
     /// The fault, with the value found and the values allowed; no final stop.
     pub message: String,
     /// Where, if it is in a file.
@@ -68,16 +66,10 @@ pub struct SceneError {
     pub help: Option<String>,
 }
 
-impl SceneError {
+impl Error {
     /// An error at a place.
     pub fn at(place: Place, message: impl Into<String>) -> Self {
         Self { message: message.into(), place: Some(place), help: None }
-    }
-
-    /// The error of a text that is the content of a file.
-    pub fn of_text(path: &Path, error: InputError) -> Self {
-        let place = error.line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-        Self { place: Some(place), ..error.into() }
     }
 
     /// An error that is in no file.
@@ -91,8 +83,8 @@ impl SceneError {
         self
     }
 
-    /// The error with a thing of the scene before its message, by the thing's name if it has one.
-    pub(crate) fn within_named(self, thing: &str, name: &str) -> Self {
+    /// The error with a thing before its message, by the thing's name if it has one.
+    pub fn within_named(self, thing: &str, name: &str) -> Self {
         if name.is_empty() { self.within(thing) } else { self.within(format_args!("{thing} {name}")) }
     }
 
@@ -110,7 +102,7 @@ impl SceneError {
     }
 }
 
-impl fmt::Display for SceneError {
+impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(place) = &self.place {
             write!(f, "{place}: ")?;
@@ -123,14 +115,7 @@ impl fmt::Display for SceneError {
     }
 }
 
-impl std::error::Error for SceneError {}
-
-/// An error that is in no file.
-impl From<InputError> for SceneError {
-    fn from(error: InputError) -> Self {
-        Self { message: error.message, place: None, help: error.help }
-    }
-}
+impl std::error::Error for Error {}
 
 /// Something a loader repaired or left out, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]

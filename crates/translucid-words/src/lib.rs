@@ -1,0 +1,34 @@
+//! Values with their places, and things described once.
+//!
+//! A [`Value`] comes through one of several doors: a file in TOML, the options of a command, a page's JSON, Python's objects.
+//! Each door only turns its own values into these; everything behind it is the same, errors included.
+//!
+//! A [`Thing`] lists the fields of a light, a layer, a question …: key, meaning, range, default, and place in the thing.
+//! From this one list follow reading, writing and checking, and whatever shows or documents it.
+//!
+//! # Out of scope
+//! Reading files, and any knowledge of what the things are.
+
+mod ask;
+mod color;
+mod data_table;
+mod error;
+mod interval;
+mod nearest;
+mod table;
+mod thing;
+mod value;
+
+pub use ask::{
+    Context, Described, Kind, Parse, Placed, QuestionSlot, Questions, Varied, describe, document, flag,
+    number, numbers, optional, optional_whole, optional_word, parsed, path, table, text, things, varied,
+    whole, word, words,
+};
+pub use color::{hexadecimal_color, linear_from_srgb};
+pub use data_table::{Cell, Column, DataTable, exact};
+pub use error::{Error, Place, Warning};
+pub use interval::{Interval, WholeInterval, check_index, refusal};
+pub use nearest::nearest;
+pub use table::{Item, Provenance, Spelling, Table};
+pub use thing::{Choice, Fallback, Field, Key, Kinds, Rule, Slot, Thing, Word, is_same};
+pub use value::{Content, Entry, Object, Value, digits, quoted};
