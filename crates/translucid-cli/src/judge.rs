@@ -9,10 +9,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use translucid_files::check_writable;
-use translucid_laboratory::Cell;
 use translucid_laboratory::judge::{Judgement, LEVELS, Pass, Setup, appearance, judgement_chart};
 use translucid_measure::CHANNELS;
 use translucid_profile::{AlbedoInversion, Configuration, Parameterization, scaling};
+use translucid_words::Cell;
 
 use crate::failure::Failure;
 use crate::files::{input_among, write_file};

@@ -4,6 +4,7 @@
 //! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 130, 143, 129 stopped by Ctrl-C, SIGTERM,
 //! SIGHUP, 1 anything else.
 
+mod ask;
 mod command_line;
 mod compare;
 mod completions;
@@ -31,11 +32,11 @@ mod reference;
 mod render;
 mod sample;
 mod skin;
-mod stack;
 mod table;
 mod view;
 
 use std::ffi::OsString;
+use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
 use clap::builder::UnknownArgumentValueParser;
@@ -70,7 +71,6 @@ enum Verb {
     Profile(profile::ProfileArguments),
     Sample(sample::SampleArguments),
     Reference(reference::ReferenceArguments),
-    Stack(stack::StackArguments),
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
@@ -85,6 +85,8 @@ enum Verb {
     /// Lists who can trace paths for `render` and walk photons for `reference`, by `--device`
     Devices,
     Completions(completions::CompletionsArguments),
+    #[command(flatten)]
+    Asked(ask::Asked),
 }
 
 /// Words that the command without any is short for.
@@ -153,7 +155,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     }
     // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
     // fault. The message has then been printed by the panic itself.
-    match std::panic::catch_unwind(|| run_verb(cli)) {
+    match std::panic::catch_unwind(AssertUnwindSafe(|| run_verb(cli))) {
         Ok(Ok(())) => {
             if is_bare {
                 messages::line("for all pixels and samples run: translucid render");
@@ -254,7 +256,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Profile(arguments) => profile::run(&arguments),
         Verb::Sample(arguments) => sample::run(&arguments),
         Verb::Reference(arguments) => reference::run(&arguments),
-        Verb::Stack(arguments) => stack::run(&arguments),
         Verb::Fit(arguments) => fit::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Convert(arguments) => convert::run(&arguments),
@@ -266,6 +267,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Devices => devices::run(),
+        Verb::Asked(asked) => asked.run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),
     }
 }

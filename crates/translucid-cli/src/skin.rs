@@ -6,13 +6,13 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use translucid_laboratory::Cell;
 use translucid_laboratory::colorimetry::{Colorimeter, Illuminant, Observer, wavelength};
 use translucid_laboratory::skin::{Skin, SkinMedium, SkinParameters, TONES};
 use translucid_profile::{Configuration, ParameterError};
 use translucid_reference::Incidence;
 use translucid_reference::layers::Totals;
 use translucid_reference::walk::Control;
+use translucid_words::Cell;
 
 use crate::failure::Failure;
 use crate::files::write_file;

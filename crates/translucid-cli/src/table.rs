@@ -6,7 +6,8 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use translucid_files::write_atomically;
-use translucid_laboratory::Cell;
+use translucid_words::Cell;
+pub(crate) use translucid_words::exact;
 
 use crate::failure::Failure;
 use crate::files::input_among;
@@ -187,14 +188,14 @@ impl TableFormat {
             Self::Csv => {
                 writeln!(out, "{}", names.join(","))?;
                 for row in rows {
-                    let fields: Vec<String> = row.as_ref().iter().map(csv_field).collect();
+                    let fields: Vec<String> = row.as_ref().iter().map(Cell::csv).collect();
                     writeln!(out, "{}", fields.join(","))?;
                 }
             }
             Self::Json => {
                 let mut separator = "[";
                 for row in rows {
-                    let member = |(name, cell): (&&str, &Cell)| format!("\"{name}\":{}", json_value(cell));
+                    let member = |(name, cell): (&&str, &Cell)| format!("\"{name}\":{}", cell.json());
                     let members: Vec<String> = names.iter().zip(row.as_ref()).map(member).collect();
                     write!(out, "{separator}\n{{{}}}", members.join(","))?;
                     separator = ",";
@@ -206,69 +207,12 @@ impl TableFormat {
     }
 }
 
-/// A field of a CSV file (RFC 4180), empty for a number that is missing.
-fn csv_field(cell: &Cell) -> String {
-    match cell {
-        Cell::Number(number) if number.is_finite() => exact(*number),
-        Cell::Number(_) => String::new(),
-        Cell::Word(word) if word.contains([',', '"', '\n', '\r']) => {
-            format!("\"{}\"", word.replace('"', "\"\""))
-        }
-        Cell::Word(word) => word.clone(),
-    }
-}
-
-/// A number, null where it is missing, or a string of names and paths, none of which has a control character.
-fn json_value(cell: &Cell) -> String {
-    match cell {
-        Cell::Number(number) if number.is_finite() => exact(*number),
-        Cell::Number(_) => String::from("null"),
-        Cell::Word(word) => format!("\"{}\"", word.replace('\\', "\\\\").replace('"', "\\\"")),
-    }
-}
-
-/// The shortest text that reads back as the same number; valid in CSV and JSON.
-pub(crate) fn exact(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {
-        format!("{value:e}")
-    } else {
-        format!("{value}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn exact_reads_back_as_the_same_number() {
-        let mut bits = 1_u64;
-        for _ in 0..100_000 {
-            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let value = f64::from_bits(bits ^ (bits >> 29));
-            if value.is_finite() {
-                assert_eq!(exact(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
-                // JSON's syntax holds, too; this parser may miss by the last digit.
-                let parsed: f64 = serde_json::from_str(&exact(value)).unwrap();
-                assert!((parsed / value - 1.0).abs() < 1e-15 || value.abs() < 1e-300);
-            }
-        }
-        for value in [0.0, 0.1, 1.0, 1e-300, f64::MAX, f64::MIN_POSITIVE / 4.0] {
-            assert_eq!(exact(value).parse::<f64>().unwrap(), value);
-        }
-    }
-
-    #[test]
     fn json_of_no_rows_is_an_empty_array() {
         assert_eq!(TableFormat::Json.text(&["r"], &[]), "[]\n");
-    }
-
-    #[test]
-    fn fields_survive_commas_and_quotes() {
-        assert_eq!(csv_field(&Cell::from("a, \"b\"")), "\"a, \"\"b\"\"\"");
-        assert_eq!(csv_field(&Cell::from("a b")), "a b");
-        assert_eq!(json_value(&Cell::from("a\\\"b")), "\"a\\\\\\\"b\"");
-        assert_eq!([csv_field, json_value].map(|text| text(&Cell::from(f64::NAN))), ["", "null"]);
     }
 }

@@ -60,6 +60,6 @@ pub mod skin;
 pub mod stack;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
-pub use data_table::{Cell, DataTable};
 pub use page::{Block, Page, Plate, Section};
 pub use random::random;
+pub use translucid_words::{Cell, DataTable};

@@ -7,7 +7,9 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::chart::Chart;
 use crate::chart::Shade;
-use crate::data_table::DataTable;
+use translucid_words::DataTable;
+
+use crate::data_table::html;
 use crate::markup::{escape, identifier, link};
 
 /// A piece of a section.
@@ -178,7 +180,7 @@ fn part(block: &Block, ids: &mut HashSet<String>, counts: &mut Counts) -> (Strin
             let html = format!(
                 "<div id=\"{id}\" class=\"table\">\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" \
                  aria-label=\"Table {number}\">\n{}</div>\n<p class=\"files\"><b>Table {number}.</b> {files}</p>\n</div>\n",
-                table.html(),
+                html(table),
             );
             (id, format!("Table {number}: {}", escape(&table.caption)), html)
         }

@@ -19,9 +19,9 @@ impl Kinds for Questions {
 }
 
 /// Reads the values and the text of a file.
-type Load = fn(&Path) -> Result<(Provenance, Vec<Entry>), Error>;
+pub type Load = fn(&Path) -> Result<(Provenance, Vec<Entry>), Error>;
 /// Reads a number for each of several channels, in whatever way it may be given.
-type Vary = fn(&Item<'_>, Interval, &mut Context) -> Result<Varied, Error>;
+pub type Vary = fn(&Item<'_>, Interval, &mut Context) -> Result<Varied, Error>;
 
 /// What reading a question needs and finds beside its values.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +36,38 @@ pub struct Context {
     pub notes: Vec<String>,
     /// Path of the first value over wavelengths, and of the first for red, green and blue: not both may be given.
     pub first_varied: [Option<String>; 2],
+    /// Number of channels or elements of the values that vary, if any does.
+    count: Option<usize>,
+}
+
+impl Context {
+    /// A context that loads files, and reads numbers that vary, in these ways.
+    pub fn new(load: Load, vary: Vary) -> Self {
+        Self { load: Some(load), vary: Some(vary), ..Self::default() }
+    }
+
+    /// Number of channels or elements: one if no value varies.
+    pub fn count(&self) -> usize {
+        self.count.unwrap_or(1)
+    }
+
+    /// Admits a value for so many channels or elements.
+    ///
+    /// # Errors
+    /// Other values have another number of them.
+    pub fn admit(&mut self, item: &Item<'_>, count: usize) -> Result<(), Error> {
+        match self.count {
+            _ if count == 1 => Ok(()),
+            Some(other) if other != count => {
+                let path = item.path();
+                Err(item.error(format!("{path} has {count} values, but others have {other}")))
+            }
+            _ => {
+                self.count = Some(count);
+                Ok(())
+            }
+        }
+    }
 }
 
 /// The value of a question's field, by its kind.
@@ -369,7 +401,7 @@ pub fn varied(place: &mut Option<Varied>, range: Interval) -> Box<dyn QuestionSl
 impl QuestionSlot for VariedSlot<'_> {
     fn read(&mut self, item: &Item<'_>, context: &mut Context) -> Result<(), Error> {
         let (range, kind) = (self.1, self.kind());
-        *self.0 = Some(match (item.content(), context.vary) {
+        let varied = match (item.content(), context.vary) {
             (Content::Numbers(numbers), _) => match numbers.iter().position(|x| !range.contains(*x)) {
                 Some(i) if numbers.len() > 1 => return Err(refused(item, i, numbers[i], &kind)),
                 Some(_) => return Err(item.refuse(&kind.range())),
@@ -379,7 +411,9 @@ impl QuestionSlot for VariedSlot<'_> {
                 vary(item, range, context)?
             }
             _ => Varied::one(double(item, &kind)?),
-        });
+        };
+        context.admit(item, varied.count())?;
+        *self.0 = Some(varied);
         Ok(())
     }
 

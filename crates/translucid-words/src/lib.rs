@@ -20,9 +20,9 @@ mod thing;
 mod value;
 
 pub use ask::{
-    Context, Described, Kind, Parse, Placed, QuestionSlot, Questions, Varied, describe, document, flag,
-    number, numbers, optional, optional_whole, optional_word, parsed, path, table, text, things, varied,
-    whole, word, words,
+    Context, Described, Kind, Load, Parse, Placed, QuestionSlot, Questions, Varied, Vary, describe, document,
+    flag, number, numbers, optional, optional_whole, optional_word, parsed, path, table, text, things,
+    varied, whole, word, words,
 };
 pub use color::{hexadecimal_color, linear_from_srgb};
 pub use data_table::{Cell, Column, DataTable, exact};

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use translucid_files::check_writable;
-use translucid_laboratory::Cell;
 use translucid_profile::convention::{ConvertedNumber, Role, System};
+use translucid_words::Cell;
 
 use crate::failure::Failure;
 use crate::files::write_file;

@@ -46,7 +46,9 @@ pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> R
         let mut tables: Vec<DataTable> = Vec::new();
         for (case, fit) in cases.iter().zip(&fits) {
             for (i, mut table) in burley_tables(fit).into_iter().enumerate() {
-                table.columns.splice(0..0, ["configuration", "parameter"].map(String::from));
+                table
+                    .columns
+                    .splice(0..0, ["configuration", "parameter"].map(|name| String::from(name).into()));
                 for row in &mut table.rows {
                     row.splice(0..0, [case.configuration_word(), case.parameter_word()].map(Cell::from));
                 }
@@ -124,8 +126,10 @@ pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) 
 
         // Lay out the tables
         let mut points = DataTable::new("points", "", &["surface_albedo"]);
-        points.columns.extend((1..=terms).flat_map(|k| [format!("weight_{k}"), format!("rate_{k}")]));
-        points.columns.push(String::from("error"));
+        points
+            .columns
+            .extend((1..=terms).flat_map(|k| [format!("weight_{k}").into(), format!("rate_{k}").into()]));
+        points.columns.push(String::from("error").into());
         points.rows = fits.iter().map(AlbedoFit::row).collect();
         let summary = |i: usize| {
             let errors: Vec<_> = fits.iter().map(|fit| (fit.surface_albedo, fit.errors[i])).collect();

@@ -81,7 +81,9 @@ fn write(
         }
     }
     let mut residuals = DataTable::new("residuals", "", &["r", "reflectance", "error"]);
-    residuals.columns.extend(fits.iter().map(|fit| format!("{}_residual", fit.name.replace('-', "_"))));
+    residuals
+        .columns
+        .extend(fits.iter().map(|fit| format!("{}_residual", fit.name.replace('-', "_")).into()));
     for (i, sample) in samples.iter().enumerate() {
         let numbers = [sample.r, sample.reflectance, sample.error].into_iter();
         let all = numbers.chain(fits.iter().map(|fit| fit.residuals[i]));
@@ -93,7 +95,7 @@ fn write(
     if let Some(correlations) = fits[0].correlations {
         let names = half_space::CORRELATED;
         let mut table = DataTable::new("correlations", "", &["parameter"]);
-        table.columns.extend(names.map(String::from));
+        table.columns.extend(names.map(|name| String::from(name).into()));
         table.rows.extend(
             names
                 .iter()

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use translucid_laboratory::Cell;
 use translucid_measure::{CHANNELS, Interval, Measurement, Quantity, Scale, three_digits};
 use translucid_profile::Configuration;
+use translucid_words::Cell;
 
 use crate::failure::Failure;
 

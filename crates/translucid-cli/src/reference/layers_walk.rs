@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use translucid_laboratory::Cell;
 use translucid_profile::ParameterError;
 use translucid_reference::layers::{Grid, Layers, LayersTally, Quantity};
 use translucid_reference::walk::Control;
 use translucid_reference::{Estimate, Incidence};
+use translucid_words::Cell;
 
 use super::ReferenceArguments;
 use crate::failure::Failure;

@@ -4,11 +4,11 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use translucid_laboratory::Cell;
 use translucid_reference::Estimate;
 use translucid_reference::mcml::{MciRun, Mco, parse_mci};
 use translucid_reference::walk::Control;
 use translucid_scene::{Place, SceneError};
+use translucid_words::Cell;
 
 use super::layers_walk::watched;
 use super::{Method, ReferenceArguments};

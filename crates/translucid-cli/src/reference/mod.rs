@@ -1,27 +1,24 @@
 //! `translucid reference`: ground truth as a table.
 
 mod exact_method;
-mod layers_file;
 mod layers_method;
 mod layers_walk;
 mod mci_method;
 mod merging;
-mod phase_file;
 mod photons;
 mod walk_method;
 
-pub(crate) use layers_file::LayersReader;
 pub(crate) use merging::merge_tables;
 pub(crate) use photons::parse_photons;
 
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
+use translucid_desk::{is_phase_file, read_phase_file};
 use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
 use translucid_reference::{Estimate, Incidence};
 
-use self::phase_file::{is_phase_file, read_phase_file};
 use crate::failure::Failure;
 use crate::machine;
 use crate::model::ConfigurationName;

@@ -11,7 +11,7 @@ pub(crate) use ink::{Marker, Style};
 pub use residuals::{ResidualScale, Residuals, residual_chart};
 pub(crate) use shade::Shade;
 
-use crate::data_table::{Cell, DataTable};
+use translucid_words::{Cell, Column, DataTable};
 
 /// Form of a series.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +98,9 @@ impl Chart {
         let optional = [(has_errors, "standard_error"), (has_bands, "upper"), (has_words, "point")];
         let (x, y) = (self.x.caption(), self.y.caption());
         let mut table = DataTable::new(&self.name, &self.title, &["series", x.as_str(), y.as_str()]);
-        table.columns.extend(optional.iter().filter(|(has, _)| *has).map(|(_, name)| (*name).to_owned()));
+        table
+            .columns
+            .extend(optional.iter().filter(|(has, _)| *has).map(|(_, name)| Column::new(name, "", "")));
         for series in &self.series {
             for (i, &[x, y]) in series.points.iter().enumerate() {
                 let nth = |numbers: &[f64]| Cell::from(numbers.get(i).copied().unwrap_or(f64::NAN));

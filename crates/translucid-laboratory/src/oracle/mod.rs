@@ -26,7 +26,9 @@ use self::table::{Rows, Source, Table};
 pub use self::text::SCHEMA_FILE;
 use self::truth::{Fault, Kind, Truth};
 use crate::comparison::{Stopped, Watch};
-use crate::data_table::{Cell, DataTable, row};
+use translucid_words::{Cell, DataTable};
+
+use crate::data_table::row;
 use crate::figures::word;
 
 /// Photons for each kind of half space that is walked, and a tenth of them for each sphere: as many as take a minute or two.
@@ -83,8 +85,12 @@ pub fn oracle_tables(names: &[&str], photons: u64, watch: Watch<'_>) -> Result<V
                 rows((photons / 10).max(1), &steps)?
             }
         };
-        let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
-        let data = DataTable { rows, ..DataTable::new(table.name, table.content, &names) };
+        let data = DataTable {
+            name: table.name.to_owned(),
+            caption: table.content.to_owned(),
+            columns: table.columns.clone(),
+            rows,
+        };
         let json = text::json(table, &data, photons);
         made.push(OracleTable { name: table.name, data, json });
     }

@@ -2,17 +2,10 @@
 
 use super::truth::{Fault, Kind, Truth};
 use super::{ORACLE_PHOTONS, Steps};
-use crate::data_table::Cell;
+use translucid_words::{Cell, Column};
 
 /// Rows of a table.
 pub(super) type Rows = Vec<Vec<Cell>>;
-
-/// A column: its name, its unit and what it means.
-pub(super) struct Column {
-    pub(super) name: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) meaning: &'static str,
-}
 
 /// A table that can be made.
 pub(super) struct Table {

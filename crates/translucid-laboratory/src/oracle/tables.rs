@@ -7,15 +7,17 @@ use translucid_reference::layers::{Ground, Layer, Layers};
 
 use super::Steps;
 use super::lit_shape::LitShape;
-use super::table::{Column, Rows, Source, Table};
+use super::table::{Rows, Source, Table};
 use super::text::{error, number};
 use super::truth::{CONFIGURATIONS, Fault, Kind, SEED, Truth};
-use crate::data_table::{Cell, row};
+use translucid_words::{Cell, Column};
+
+use crate::data_table::row;
 use crate::figures::word;
 
 /// Columns by name, unit and meaning.
 fn columns(list: &[(&'static str, &'static str, &'static str)]) -> Vec<Column> {
-    list.iter().map(|&(name, unit, meaning)| Column { name, unit, meaning }).collect()
+    list.iter().map(|&(name, unit, meaning)| Column::new(name, unit, meaning)).collect()
 }
 
 const CONFIGURATION: (&str, &str, &str) = (

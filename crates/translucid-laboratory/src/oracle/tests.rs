@@ -19,7 +19,7 @@ use translucid_reference::{Estimate, Incidence};
 use translucid_testing::{SplitMix, power};
 
 use super::*;
-use crate::data_table::Cell;
+use translucid_words::Cell;
 
 /// Standard errors that photons may be off.
 const FAR: f64 = 4.5;

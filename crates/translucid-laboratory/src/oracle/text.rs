@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::table::Table;
-use crate::data_table::{Cell, DataTable};
+use translucid_words::{Cell, DataTable, exact};
 
 /// Name of the schema's file.
 pub const SCHEMA_FILE: &str = "schema.json";
@@ -42,7 +42,7 @@ pub(super) fn json(table: &Table, data: &DataTable, photons: u64) -> String {
     ];
     let columns = table.columns.iter().map(|column| {
         let members =
-            [member("name", column.name), member("unit", column.unit), member("meaning", column.meaning)];
+            [member("name", &column.name), member("unit", column.unit), member("meaning", column.meaning)];
         format!("{{{}}}", members.join(", "))
     });
     // Writing to a string cannot fail
@@ -53,7 +53,7 @@ pub(super) fn json(table: &Table, data: &DataTable, photons: u64) -> String {
         columns.collect::<Vec<_>>().join(",\n")
     );
     let cell = |cell: &Cell| match cell {
-        Cell::Number(number) if number.is_finite() => crate::data_table::exact(*number),
+        Cell::Number(number) if number.is_finite() => exact(*number),
         Cell::Number(_) => String::from("null"),
         Cell::Word(word) => quoted(word),
     };

@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{FilmSums, Outcome, layer};
-use translucid_scene::description::Slot;
+use translucid_scene::description::SceneSlot;
 use translucid_scene::{Light, Object, Pixels, Scene};
 use translucid_testing::power;
 
@@ -271,7 +271,7 @@ fn is_dark(scene: &Scene) -> bool {
     let is_black = |light: &Light| {
         let mut light = *light;
         light.description().fields.iter().all(|field| match (field.slot)(&mut light) {
-            Slot::Radiance(color) | Slot::Power(color) => *color == Vec3::ZERO,
+            SceneSlot::Radiance(color) | SceneSlot::Power(color) => *color == Vec3::ZERO,
             _ => true,
         })
     };

@@ -1,16 +1,12 @@
 //! Values that differ between wavelengths or between red, green and blue.
 
-use std::cell::{Cell, RefCell};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use csv::{ReaderBuilder, Trim};
 use translucid_laboratory::colorimetry::{WAVELENGTHS, wavelength};
-use translucid_scene::description::{Content, Item};
-use translucid_scene::{Interval, Place, SceneError};
+use translucid_words::{Content, Context, Error, Interval, Item, Place, Varied, exact};
 
 use crate::files::{broken_csv, read_at_most};
-use crate::table::exact;
 
 /// Wavelengths that a table may have, and those that it must cover \[nm\].
 const ALLOWED: Interval = Interval::closed(100.0, 1e5);
@@ -22,116 +18,50 @@ const KEYS: [&str; 7] = ["scattering", "absorption", "surface_albedo", "mfp", "g
 const MOST_ROWS: usize = 100_000;
 const MOST_BYTES: u64 = 1 << 24;
 
-/// Values of a key.
-enum Values {
-    /// One number for all channels.
-    Number(f64),
-    /// Red, green and blue.
-    Rgb([f64; 3]),
-    /// Wavelengths, which ascend, and values.
-    Table(Vec<[f64; 2]>),
-}
-
-/// All values of a file, by their keys, as far as they have been read.
-#[derive(Default)]
-pub(super) struct Spectra {
-    values: RefCell<BTreeMap<String, Values>>,
-    /// Key of a first table, and of first values for red, green and blue.
-    first: RefCell<[Option<String>; 2]>,
-    /// Channel whose values are read.
-    pub(super) channel: Cell<usize>,
-    /// Values that hold beyond their tables, in words.
-    pub(super) notes: RefCell<Vec<String>>,
-    /// Files of tables.
-    pub(super) files: RefCell<Vec<PathBuf>>,
-}
-
-impl Spectra {
-    /// Channels of the values that have been read.
-    pub(super) fn count(&self) -> usize {
-        match &*self.first.borrow() {
-            [Some(_), _] => WAVELENGTHS,
-            [_, Some(_)] => 3,
-            _ => 1,
-        }
-    }
-
-    /// The value of a key for the channel.
-    ///
-    /// # Errors
-    /// It is none, it is outside the range, or its kind does not go with that of others.
-    pub(super) fn number(&self, item: &Item<'_>, range: Interval) -> Result<f64, SceneError> {
-        if !self.values.borrow().contains_key(item.path()) {
-            let values = read(item, range)?;
-            self.admit(item, &values)?;
-            if let Content::Text(_) = item.content() {
-                self.files.borrow_mut().push(item.file()?);
-            }
-            self.values.borrow_mut().insert(item.path().to_owned(), values);
-        }
-        let channel = self.channel.get();
-        Ok(match &self.values.borrow()[item.path()] {
-            Values::Number(value) => *value,
-            Values::Rgb(values) => values[channel],
-            Values::Table(rows) => interpolate(rows, wavelength(channel)),
-        })
-    }
-
-    /// Refuses tables beside values of three channels, and notes where a table ends too early.
-    fn admit(&self, item: &Item<'_>, values: &Values) -> Result<(), SceneError> {
-        let kind = match values {
-            Values::Number(_) => return Ok(()),
-            Values::Table(rows) => {
-                let [first, last] = [rows[0][0], rows[rows.len() - 1][0]];
-                let all = [wavelength(0), wavelength(WAVELENGTHS - 1)];
-                if first > all[0] || last < all[1] {
-                    let (path, [first, last]) = (item.path(), [first, last].map(exact));
-                    self.notes.borrow_mut().push(format!(
-                        "{path} covers {first} to {last} nm; the values at its ends hold on to 380 and 780 nm"
-                    ));
-                }
-                0
-            }
-            Values::Rgb(_) => 1,
-        };
-        let mut first = self.first.borrow_mut();
-        if let Some(other) = &first[1 - kind] {
-            let what = ["a table over wavelengths", "values for red, green and blue"];
-            let message = format!("{} has {}, but {other} has {}", item.path(), what[kind], what[1 - kind]);
-            return Err(item.error(message).with_help("give all in one of the two ways, or as one number"));
-        }
-        first[kind].get_or_insert_with(|| item.path().to_owned());
-        Ok(())
-    }
-}
-
-/// The values of a key.
-fn read(item: &Item<'_>, range: Interval) -> Result<Values, SceneError> {
-    let rows = match item.content() {
+/// Reads values for red, green and blue, or a table over wavelengths, here or in a file.
+///
+/// # Errors
+/// There is no such value, it is outside the range, or its kind does not go with that of others.
+pub(crate) fn vary(item: &Item<'_>, range: Interval, context: &mut Context) -> Result<Varied, Error> {
+    let (kind, values) = match item.content() {
         Content::List(_) => {
-            let mut values = [0.0; 3];
-            for (value, item) in values.iter_mut().zip(item.array::<3>("numbers for red, green and blue")?) {
-                *value = item.double(range)?;
-            }
-            return Ok(Values::Rgb(values));
+            let items = item.array::<3>("numbers for red, green and blue")?;
+            (1, items.iter().map(|item| item.double(range)).collect::<Result<_, _>>()?)
         }
-        Content::Table(_) => read_inline(item, range)?,
-        Content::Text(_) => read_file(item, range)?,
-        _ => return item.double(range).map(Values::Number),
+        Content::Table(_) => (0, of_rows(item, &read_inline(item, range)?, context)?),
+        _ => {
+            context.files.push(item.file()?);
+            (0, of_rows(item, &read_file(item, range)?, context)?)
+        }
     };
-    let [from, to] = NEEDED;
-    match (rows.first(), rows.last()) {
-        (Some([first, _]), Some([last, _])) if *first <= from && *last >= to => Ok(Values::Table(rows)),
-        (Some([first, _]), Some([last, _])) => {
-            let [path, first, last] = [item.path(), &exact(*first), &exact(*last)];
-            Err(item.error(format!("{path} covers {first} to {last} nm, but must cover {from} to {to} nm")))
-        }
-        _ => Err(item.error(format!("{} has no values", item.path()))),
+    if let Some(other) = &context.first_varied[1 - kind] {
+        let what = ["a table over wavelengths", "values for red, green and blue"];
+        let message = format!("{} has {}, but {other} has {}", item.path(), what[kind], what[1 - kind]);
+        return Err(item.error(message).with_help("give all in one of the two ways, or as one number"));
     }
+    context.first_varied[kind].get_or_insert_with(|| item.path().to_owned());
+    Ok(Varied::many(values))
+}
+
+/// The values of a table at all wavelengths.
+fn of_rows(item: &Item<'_>, rows: &[[f64; 2]], context: &mut Context) -> Result<Vec<f64>, Error> {
+    let path = item.path();
+    let (Some([first, _]), Some([last, _])) = (rows.first(), rows.last()) else {
+        return Err(item.error(format!("{path} has no values")));
+    };
+    let covered = format!("{path} covers {} to {} nm", exact(*first), exact(*last));
+    let [from, to] = NEEDED;
+    if *first > from || *last < to {
+        return Err(item.error(format!("{covered}, but must cover {from} to {to} nm")));
+    }
+    if *first > wavelength(0) || *last < wavelength(WAVELENGTHS - 1) {
+        context.notes.push(format!("{covered}; the values at its ends hold on to 380 and 780 nm"));
+    }
+    Ok((0..WAVELENGTHS).map(|i| interpolate(rows, wavelength(i))).collect())
 }
 
 /// `{ wavelengths = […], values = […] }`.
-fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
+fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, Error> {
     let table = item.table()?.allow(&["wavelengths", "values"])?;
     let list = |key| table.require(key)?.list("numbers", MOST_ROWS);
     let (wavelengths, values) = (list("wavelengths")?, list("values")?);
@@ -152,7 +82,7 @@ fn read_inline(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneE
 }
 
 /// A CSV file with the columns `wavelength` and, unless it has just one other, that of the key's name.
-fn read_file(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
+fn read_file(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, Error> {
     let path = item.file()?;
     let refused = |message: String| item.error(format!("{} {message}", path.display()));
     let bytes = read_at_most(&path, MOST_BYTES).map_err(refused)?;
@@ -160,11 +90,11 @@ fn read_file(item: &Item<'_>, range: Interval) -> Result<Vec<[f64; 2]>, SceneErr
     parse(&bytes, &path, key, range)
 }
 
-fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f64; 2]>, SceneError> {
+fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f64; 2]>, Error> {
     let mut reader = ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
     let broken = |error: &csv::Error| broken_csv(path, error);
     let header = reader.headers().map_err(|error| broken(&error))?.clone();
-    let refuse = |message: String| SceneError::at(Place::file(path), message);
+    let refuse = |message: String| Error::at(Place::file(path), message);
     let names: Vec<&str> = header.iter().map(|column| column.trim_start_matches('\u{feff}')).collect();
     let column = |name: &str| {
         let found = names.iter().position(|column| *column == name).ok_or_else(|| {
@@ -190,7 +120,7 @@ fn parse(bytes: &[u8], path: &Path, key: &str, range: Interval) -> Result<Vec<[f
         let record = record.map_err(|error| broken(&error))?;
         let fail = |message: String| {
             let line = record.position().map_or(0, |position| position.line() as usize);
-            SceneError::at(Place::line(path, line), message)
+            Error::at(Place::line(path, line), message)
         };
         // A spreadsheet's empty row
         if record.iter().all(str::is_empty) {

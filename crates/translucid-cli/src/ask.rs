@@ -1,0 +1,255 @@
+//! Verbs that ask a question of the desk: their options, help and output follow from its description.
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches, Subcommand, value_parser};
+use translucid_desk::{Answer, Ask, Control, Prepared, QUESTIONS, Unanswered};
+use translucid_words::{Content, Described, Entry, Error, Kind, Provenance, Spelling, Value};
+
+use crate::failure::Failure;
+use crate::files::{input_among, write_file};
+use crate::progress::{Meter, Unit};
+use crate::table::{TableFormat, print};
+use crate::{interrupt, machine, messages};
+
+/// A question with what the user says.
+pub(crate) struct Asked {
+    question: &'static dyn Ask,
+    matches: ArgMatches,
+}
+
+impl FromArgMatches for Asked {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let asked = matches.subcommand().and_then(|(name, matches)| {
+            let question = QUESTIONS.into_iter().find(|question| question.name() == name)?;
+            Some(Self { question, matches: matches.clone() })
+        });
+        asked.ok_or_else(|| clap::Error::new(ErrorKind::MissingSubcommand))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        Self::from_arg_matches(matches).map(|asked| *self = asked)
+    }
+}
+
+impl Subcommand for Asked {
+    fn augment_subcommands(command: Command) -> Command {
+        QUESTIONS.into_iter().fold(command, |command, question| command.subcommand(verb(question)))
+    }
+
+    fn augment_subcommands_for_update(command: Command) -> Command {
+        Self::augment_subcommands(command)
+    }
+
+    fn has_subcommand(name: &str) -> bool {
+        QUESTIONS.iter().any(|question| question.name() == name)
+    }
+}
+
+/// The verb of a question.
+fn verb(question: &'static dyn Ask) -> Command {
+    let formats: &[&str] = if question.has_text() { &["csv", "json", "text"] } else { &["csv", "json"] };
+    let output = "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout";
+    Command::new(question.name())
+        .about(question.doc())
+        .args(question.keys().iter().map(option))
+        .args([
+            Arg::new("output")
+                .short('o')
+                .long("output")
+                .value_name("FILE")
+                .help(output)
+                .value_parser(value_parser!(PathBuf)),
+            Arg::new("format")
+                .long("format")
+                .default_value("csv")
+                .help("How to print")
+                .value_parser(PossibleValuesParser::new(formats)),
+            Arg::new("threads")
+                .long("threads")
+                .value_name("N")
+                .help("Number of threads [default: one per processor]; the result does not depend on it")
+                .value_parser(value_parser!(u16).range(1..=1024)),
+        ])
+        .after_help(after_help(question))
+}
+
+/// Paragraphs, the columns and examples.
+fn after_help(question: &dyn Ask) -> String {
+    let columns: Vec<String> = question
+        .columns()
+        .iter()
+        .map(|column| match column.unit {
+            "" | "1" => format!("  {}: {}", column.name, column.meaning),
+            unit => format!("  {} [{unit}]: {}", column.name, column.meaning),
+        })
+        .collect();
+    let examples: Vec<String> =
+        question.examples().iter().map(|words| format!("  translucid {} {words}", question.name())).collect();
+    format!("{}\n\nColumns:\n{}\n\nExamples:\n{}", question.more(), columns.join("\n"), examples.join("\n"))
+}
+
+/// The option of a key, or the file of the question.
+fn option(key: &Described) -> Arg {
+    let more = if key.more.is_empty() { String::new() } else { format!(" {}", key.more) };
+    let default = match &key.default {
+        default if default.is_empty() || key.kind == Kind::Flag || default == "none" => String::new(),
+        default => format!(" [default: {default}]"),
+    };
+    let help = format!("{}{more}{default}", key.doc.replace('`', ""));
+    let argument = Arg::new(key.name).help(help).required(key.is_required);
+    let argument = match &key.kind {
+        Kind::Document(_) => return argument.value_name("FILE"),
+        _ => argument.long(key.name.replace('_', "-")),
+    };
+    let argument = match &key.kind {
+        Kind::Flag => return argument.action(ArgAction::SetTrue),
+        Kind::Word(words) => argument.value_parser(PossibleValuesParser::new(words.clone())),
+        Kind::Path => argument.value_name("FILE"),
+        Kind::Numbers(_, [_, most]) if *most == 1 => argument,
+        Kind::Numbers(..) | Kind::Varied(_) | Kind::Words(_) => {
+            argument.value_name(format!("{},...", key.name.to_uppercase()))
+        }
+        _ => argument,
+    };
+    argument.allow_hyphen_values(true)
+}
+
+impl Asked {
+    /// Runs the verb.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let prepared = read(self.question, &self.entries())?;
+        let output = self.matches.get_one::<PathBuf>("output").map(PathBuf::as_path);
+        let inputs = prepared.files().iter().map(PathBuf::as_path);
+        if let Some(path) = input_among(output.into_iter(), inputs) {
+            let message =
+                format!("--output is {}, a file that is read, and would be overwritten", path.display());
+            return Err(Failure::input(message).with_help("choose another file"));
+        }
+        output.map_or(Ok(()), |path| Ok::<_, Failure>(translucid_files::check_writable(path)?))?;
+        let pool = machine::threads(self.matches.get_one("threads").copied())?;
+        let answer = pool.install(|| answer(&*prepared))?;
+        self.write(&answer, output)
+    }
+
+    /// What the user says, as values.
+    fn entries(&self) -> Vec<Entry> {
+        let entry = |key: &Described| {
+            if key.kind == Kind::Flag {
+                return self.matches.get_flag(key.name).then(|| Entry::new(key.name, true));
+            }
+            let text = self.matches.get_one::<String>(key.name)?;
+            Some(Entry::new(key.name, value(&key.kind, text)))
+        };
+        self.question.keys().iter().filter_map(entry).collect()
+    }
+
+    fn write(&self, answer: &Answer, output: Option<&std::path::Path>) -> Result<(), Failure> {
+        let format = self.matches.get_one::<String>("format").map_or("csv", String::as_str);
+        let text = match (format, &answer.text, answer.tables.first()) {
+            ("text", Some(text), _) => text.clone(),
+            ("text", None, _) => {
+                return Err(Failure::input("this answer is a table, which --format text does not print")
+                    .with_help("use --format csv or json"));
+            }
+            (format, _, Some(table)) => {
+                let format = if format == "json" { TableFormat::Json } else { TableFormat::Csv };
+                format.text(&table.columns, &table.rows)
+            }
+            (_, _, None) => String::new(),
+        };
+        answer.notes.iter().for_each(|note| messages::print_note(note));
+        answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
+        if format != "text" {
+            answer.remarks.iter().for_each(|remark| messages::print_note(remark));
+        }
+        let Some(path) = output else { return print(&text) };
+        let ending = |name: &str| PathBuf::from(name).extension().map(OsStr::to_ascii_lowercase);
+        let wanted = path.extension().map(OsStr::to_ascii_lowercase);
+        match answer.files.iter().find(|file| wanted.is_some() && ending(&file.name) == wanted) {
+            Some(file) => {
+                write_file(path, &file.bytes)?;
+                print(&text)
+            }
+            None => write_file(path, text.as_bytes()),
+        }
+    }
+}
+
+/// Asks a question in the words of options, on the threads of this pool.
+pub(crate) fn ask(question: &dyn Ask, entries: &[Entry]) -> Result<Answer, Failure> {
+    answer(&*read(question, entries)?)
+}
+
+fn read(question: &dyn Ask, entries: &[Entry]) -> Result<Box<dyn Prepared>, Failure> {
+    question.read(&Provenance::part("").spelled(Spelling::Flags), entries).map_err(wrong)
+}
+
+/// The answer, with progress, unless Ctrl-C ends the work.
+fn answer(prepared: &dyn Prepared) -> Result<Answer, Failure> {
+    interrupt::catch("\nstopping")?;
+    let meter = Meter::new(Unit::Parts);
+    let progress = |part: f64| meter.update((1e3 * part) as u64, 1000);
+    let answer = prepared.answer(&Control { stop: &interrupt::STOP, progress: &progress });
+    meter.finish();
+    answer.map_err(unanswered)
+}
+
+/// The value of an option's text.
+pub(crate) fn value(kind: &Kind, text: &str) -> Value {
+    let parts = || text.split(',').map(str::trim);
+    match kind {
+        Kind::Number(_) | Kind::Whole(_) => number(text),
+        Kind::Numbers(..) => parts().map(number).collect::<Vec<Value>>().into(),
+        Kind::Varied(_) => match parts().map(str::parse).collect::<Result<Vec<f64>, _>>() {
+            Ok(numbers) => Content::Numbers(numbers.into()).into(),
+            Err(_) => text.into(),
+        },
+        Kind::Words(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
+        _ => text.into(),
+    }
+}
+
+fn number(text: &str) -> Value {
+    match (text.parse::<i128>(), text.parse::<f64>()) {
+        (Ok(n), _) => Content::Integer(n).into(),
+        (_, Ok(x)) => x.into(),
+        _ => text.into(),
+    }
+}
+
+/// The failure of an option or of a file that it names.
+pub(crate) fn wrong(error: Error) -> Failure {
+    let place = error.place.clone().filter(|place| !place.path.as_os_str().is_empty());
+    Failure { place, ..Failure::from(error) }
+}
+
+/// The failure of a question without an answer.
+pub(crate) fn unanswered(reason: Unanswered) -> Failure {
+    match reason {
+        Unanswered::Input(error) => wrong(error),
+        Unanswered::Work(error) => Failure::of_machine(error),
+        Unanswered::Stopped => Failure::interrupted("nothing was written"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_become_values_of_their_kinds() {
+        let shown = |kind: Kind, text: &str| value(&kind, text).to_string();
+        assert_eq!(shown(Kind::Word(Vec::new()), "2"), "\"2\"");
+        assert_eq!(shown(Kind::Words(Vec::new()), "a, b"), "[\"a\", \"b\"]");
+        assert_eq!(shown(Kind::Text(""), "1,2"), "\"1,2\"");
+    }
+
+    #[test]
+    fn every_question_is_a_verb() {
+        Asked::augment_subcommands(Command::new("translucid")).debug_assert();
+    }
+}

@@ -1,0 +1,170 @@
+//! A question of any kind, and its answer.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use translucid_words::{
+    Column, Context, DataTable, Described, Entry, Error, Provenance, Questions, Table, Thing, describe,
+};
+
+use crate::spectra::vary;
+
+/// What somebody asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// Tables, the first of which is the answer in numbers.
+    pub tables: Vec<DataTable>,
+    /// The answer for people, numbers rounded.
+    pub text: Option<String>,
+    /// Files: pictures, for example.
+    pub files: Vec<NamedFile>,
+    /// Remarks on the values of the question.
+    pub notes: Vec<String>,
+    /// Remarks on the answer, which the text for people has, too.
+    pub remarks: Vec<String>,
+    /// Reasons to doubt it.
+    pub warnings: Vec<String>,
+}
+
+/// A file's name and content.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedFile {
+    /// Its name.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// How somebody watches long work, and ends it.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Ends the work soon after it is true.
+    pub stop: &'a AtomicBool,
+    /// Is told now and then how much of the work is done, from 0 to 1.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// The reason why there is no answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unanswered {
+    /// The question is wrong.
+    Input(Error),
+    /// The question was right, but the work could not be done.
+    Work(Error),
+    /// The work was stopped.
+    Stopped,
+}
+
+impl From<Error> for Unanswered {
+    fn from(error: Error) -> Self {
+        Self::Input(error)
+    }
+}
+
+/// A question whose values are of the type `T`.
+pub struct Question<T: 'static> {
+    /// All that a user may say.
+    pub thing: Thing<T, Questions>,
+    /// More about it in paragraphs, for help and guides.
+    pub more: &'static str,
+    /// Examples as words of the command.
+    pub examples: &'static [&'static str],
+    /// Columns of the first table of its answer.
+    pub columns: &'static [Column],
+    /// Whether the answer has a text for people.
+    pub has_text: bool,
+    /// The answer.
+    pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
+}
+
+/// A question, whatever its values.
+pub trait Ask: Sync {
+    /// Its name: that of a verb or a function.
+    fn name(&self) -> &'static str;
+    /// Its description, in a line.
+    fn doc(&self) -> &'static str;
+    /// All that a user may say.
+    fn keys(&self) -> Vec<Described>;
+    /// More about it in paragraphs.
+    fn more(&self) -> &'static str;
+    /// Examples as words of the command.
+    fn examples(&self) -> &'static [&'static str];
+    /// Whether the answer has a text for people.
+    fn has_text(&self) -> bool;
+    /// Columns of the first table of its answer.
+    fn columns(&self) -> &'static [Column];
+    /// Reads what a user says.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, or a value not allowed.
+    fn read(&self, source: &Provenance, entries: &[Entry]) -> Result<Box<dyn Prepared>, Error>;
+}
+
+/// A question that has been read.
+pub trait Prepared: Send + Sync {
+    /// Files that were read.
+    fn files(&self) -> &[PathBuf];
+    /// Answers it.
+    ///
+    /// # Errors
+    /// The question is wrong as a whole, or the work could not be done or was stopped.
+    fn answer(&self, control: &Control<'_>) -> Result<Answer, Unanswered>;
+}
+
+impl<T: Clone + Send + Sync> Ask for Question<T> {
+    fn name(&self) -> &'static str {
+        self.thing.name
+    }
+
+    fn doc(&self) -> &'static str {
+        self.thing.doc
+    }
+
+    fn keys(&self) -> Vec<Described> {
+        describe(&self.thing)
+    }
+
+    fn more(&self) -> &'static str {
+        self.more
+    }
+
+    fn examples(&self) -> &'static [&'static str] {
+        self.examples
+    }
+
+    fn has_text(&self) -> bool {
+        self.has_text
+    }
+
+    fn columns(&self) -> &'static [Column] {
+        self.columns
+    }
+
+    fn read(&self, source: &Provenance, entries: &[Entry]) -> Result<Box<dyn Prepared>, Error> {
+        struct Read<T: 'static> {
+            asked: T,
+            context: Context,
+            answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
+        }
+        impl<T: Send + Sync> Prepared for Read<T> {
+            fn files(&self) -> &[PathBuf] {
+                &self.context.files
+            }
+
+            fn answer(&self, control: &Control<'_>) -> Result<Answer, Unanswered> {
+                let mut answer = (self.answer)(&self.asked, &self.context, control)?;
+                answer.notes.splice(0..0, self.context.notes.iter().cloned());
+                Ok(answer)
+            }
+        }
+        let mut context = context();
+        let table = Table::root(source, entries).allow(&self.thing.keys())?;
+        let asked = self.thing.read(&table, &mut context)?;
+        Ok(Box::new(Read { asked, context, answer: self.answer }))
+    }
+}
+
+/// What reading of a question begins with.
+pub(crate) fn context() -> Context {
+    Context::new(|path| translucid_load::load_toml(path), vary)
+}

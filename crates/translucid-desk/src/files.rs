@@ -1,0 +1,28 @@
+//! Files that questions name.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use translucid_words::{Error, Place};
+
+/// Reads all of a file of at most so many bytes; what it says of its size counts for nothing, as pipes and devices say none.
+///
+/// # Errors
+/// A sentence without the path.
+pub(crate) fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(count) if count as u64 > most => Err(format!("has more than {most} bytes, which are not read")),
+        Ok(_) => Ok(bytes),
+        Err(error) => Err(format!("cannot be read: {error}")),
+    }
+}
+
+/// The error of a CSV file that is none, at its line.
+pub(crate) fn broken_csv(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map(|position| position.line() as usize);
+    let place = line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
+    Error::at(place, error.to_string())
+}
