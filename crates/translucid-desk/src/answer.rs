@@ -67,6 +67,10 @@ pub struct Question<T: 'static> {
     pub thing: Thing<T, Questions>,
     /// More about it in paragraphs, for help and guides.
     pub more: &'static str,
+    /// Sources of its methods: author, year, title.
+    pub source: &'static str,
+    /// Whether the answer has a row for each channel or element of values that vary.
+    pub is_by_element: bool,
     /// Examples as words of the command.
     pub examples: &'static [&'static str],
     /// Columns of the first table of its answer.
@@ -87,6 +91,10 @@ pub trait Ask: Sync {
     fn keys(&self) -> Vec<Described>;
     /// More about it in paragraphs.
     fn more(&self) -> &'static str;
+    /// Sources of its methods.
+    fn source(&self) -> &'static str;
+    /// Whether the answer has a row for each channel or element of values that vary.
+    fn is_by_element(&self) -> bool;
     /// Examples as words of the command.
     fn examples(&self) -> &'static [&'static str];
     /// Whether the answer has a text for people.
@@ -128,6 +136,14 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         self.more
     }
 
+    fn source(&self) -> &'static str {
+        self.source
+    }
+
+    fn is_by_element(&self) -> bool {
+        self.is_by_element
+    }
+
     fn examples(&self) -> &'static [&'static str] {
         self.examples
     }
@@ -164,7 +180,14 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
     }
 }
 
+/// What reading of a question begins with; in WebAssembly there are no files.
+#[cfg(target_family = "wasm")]
+pub(crate) fn context() -> Context {
+    Context { vary: Some(vary), ..Context::default() }
+}
+
 /// What reading of a question begins with.
+#[cfg(not(target_family = "wasm"))]
 pub(crate) fn context() -> Context {
     Context::new(|path| translucid_load::load_toml(path), vary)
 }

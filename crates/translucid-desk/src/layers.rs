@@ -12,9 +12,9 @@ use translucid_reference::Incidence;
 use translucid_reference::layers::{Ground, Layer, Layers};
 use translucid_reference::walk::{Control as WalkControl, PhaseFunction};
 use translucid_words::{
-    Cell, Column, Context, DataTable, Error, Fallback, Interval, Item, Parse, Place, Placed, Questions, Rule,
-    Table, Thing, Varied, Word, document, exact, field, number, numbers, optional, optional_word, parsed,
-    table, things, varied, word,
+    Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Item, Parse, Place, Placed,
+    Provenance, Questions, Rule, Table, Thing, Varied, Word, document, exact, field, number, numbers,
+    optional, optional_word, parsed, table, things, varied, word,
 };
 
 use crate::answer::{Answer, Control, Question, Unanswered, context};
@@ -168,7 +168,7 @@ const GROUNDS: Thing<Grounds, Questions> = Thing {
 
 /// A file of layers.
 #[derive(Clone, Debug, Default)]
-pub struct LayersKeys {
+pub(crate) struct LayersKeys {
     above: Option<End>,
     layer: Vec<Placed<LayerKeys>>,
     below: Option<End>,
@@ -196,10 +196,24 @@ impl LayersKeys {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value not allowed.
-    pub fn read(table: Table<'_>) -> Result<(Self, Context), Error> {
+    pub(crate) fn read(table: Table<'_>) -> Result<(Self, Context), Error> {
         let mut context = context();
         let keys = LAYERS_FILE.read(&table.allow(&LAYERS_FILE.keys())?, &mut context)?;
         Ok((keys, context))
+    }
+
+    /// The bits of all numbers of a channel or element: stacks of the same bits are the same.
+    fn bits(&self, element: usize) -> Vec<u64> {
+        let ends = self.above.iter().chain(&self.below).flat_map(|end| [&end.eta, &end.reflectance]);
+        let layers = self.layer.iter().flat_map(|layer| {
+            let LayerKeys { thickness, scattering, absorption, surface_albedo, mfp, g, eta, .. } =
+                &layer.thing;
+            [thickness, scattering, absorption, surface_albedo, mfp, g, eta]
+        });
+        let given = ends.chain(layers).flatten();
+        // Filaments differ between channels
+        let channel = if self.has_filaments() { element as u64 } else { 0 };
+        given.map(|varied| varied.at(element).to_bits()).chain([channel]).collect()
     }
 
     /// Whether a layer is a filament.
@@ -211,7 +225,7 @@ impl LayersKeys {
     ///
     /// # Errors
     /// They cannot be.
-    pub fn build(&self, element: usize, builder: &Builder) -> Result<Layers, Error> {
+    pub(crate) fn build(&self, element: usize, builder: &Builder) -> Result<Layers, Error> {
         let at = |varied: &Option<Varied>, default: f64| varied.as_ref().map_or(default, |v| v.at(element));
         let above = self.above.as_ref().map_or(1.0, |end| at(&end.eta, 1.0));
         let layers = self.layer.iter().map(|layer| builder.layer(layer, element));
@@ -236,6 +250,7 @@ impl LayersKeys {
 ///
 /// # Errors
 /// The file cannot be read, a key or value is wrong, or values differ between channels.
+#[cfg(not(target_family = "wasm"))]
 pub fn load_layers(path: &Path) -> Result<Layers, Error> {
     let (source, entries) = translucid_load::load_toml(path)?;
     let source = source.of(LAYERS_FILE.name);
@@ -250,9 +265,19 @@ pub fn load_layers(path: &Path) -> Result<Layers, Error> {
     keys.build(0, &Builder::default())
 }
 
+/// The layers of the question *layers*, whose values are one number each.
+///
+/// # Errors
+/// A key or value is wrong.
+pub fn stated_layers(source: &Provenance, entries: &[Entry]) -> Result<Layers, Error> {
+    let asked =
+        LAYERS.thing.read(&Table::root(source, entries).allow(&LAYERS.thing.keys())?, &mut context())?;
+    asked.layers.unwrap_or_default().build(0, &Builder::default())
+}
+
 /// Makes layers from what is stated.
 #[derive(Default)]
-pub struct Builder {
+pub(crate) struct Builder {
     /// Inversions that were made, which takes some 0.1 s each.
     pub(crate) inversions: RefCell<Vec<AlbedoInversion>>,
     /// Part of the light that passes a filament's sheet, in place of what is stated.
@@ -349,6 +374,8 @@ pub static LAYERS: Question<AskedLayers> = Question {
         rules: &[Rule::NotWith(&["r", "incidence_angle"])],
     },
     more: "Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered light only, around a beam along the normal.",
+    source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",
+    is_by_element: true,
     examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
     columns: &TOTALS,
     has_text: false,
@@ -401,11 +428,10 @@ fn stacks(keys: &LayersKeys, count: usize) -> Result<(Vec<Layers>, Vec<usize>), 
     let (builder, mut stacks, mut places) = (Builder::default(), Vec::<Layers>::new(), Vec::new());
     let mut known = HashMap::new();
     for element in 0..count {
-        let stack = keys.build(element, &builder).map_err(|error| at_element(error, element, count))?;
-        // Numbers of one stack print alike, and no others do
-        let place = *known.entry(format!("{stack:?}")).or_insert(stacks.len());
+        let place = *known.entry(keys.bits(element)).or_insert(stacks.len());
         if place == stacks.len() {
-            stacks.push(stack);
+            let stack = keys.build(element, &builder);
+            stacks.push(stack.map_err(|error| at_element(error, element, count))?);
         }
         places.push(place);
     }
@@ -501,6 +527,19 @@ fn totals(
     Ok(Answer { tables: vec![table], ..Answer::default() })
 }
 
+/// Profiles take too much code for WebAssembly.
+#[cfg(target_family = "wasm")]
+fn profiles(
+    _: &AskedLayers,
+    _: &Varied,
+    _: &[Layers],
+    _: &[usize],
+    _: &Control<'_>,
+) -> Result<Answer, Unanswered> {
+    Err(Error::new("profiles of layers are not in this module").with_help("leave r out for totals").into())
+}
+
+#[cfg(not(target_family = "wasm"))]
 fn profiles(
     asked: &AskedLayers,
     r: &Varied,

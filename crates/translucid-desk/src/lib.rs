@@ -15,7 +15,9 @@ mod spectra;
 mod stack;
 
 pub use answer::{Answer, Ask, Control, NamedFile, Prepared, Question, Unanswered};
-pub use layers::{Builder, LAYERS, LayersKeys, load_layers};
+#[cfg(not(target_family = "wasm"))]
+pub use layers::load_layers;
+pub use layers::{LAYERS, stated_layers};
 pub use phase_function::{is_phase_file, read_phase_file};
 pub use stack::STACK;
 

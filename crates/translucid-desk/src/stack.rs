@@ -55,6 +55,8 @@ pub static STACK: Question<AskedStack> = Question {
         rules: &[],
     },
     more: "The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the reflectances of black and white.\n\nEverything is what an instrument of the geometry d:8 measures: light from everywhere, viewed at 8 degrees.",
+    source: "Layers as in layers; colors by CIE 15:2018; G. Sharma, W. Wu and E. N. Dalal 2005, The CIEDE2000 color-difference formula; P. Kubelka and F. Munk 1931; J. L. Saunderson 1942.",
+    is_by_element: false,
     examples: &[
         "tooth.toml",
         "tooth.toml --format text --specular excluded",

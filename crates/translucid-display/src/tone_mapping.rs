@@ -11,10 +11,6 @@ pub enum ToneMapping {
     Agx,
 }
 
-impl translucid_words::Word for ToneMapping {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
-}
-
 impl ToneMapping {
     /// Every curve by its name, in the order of the variants.
     pub const WORDS: [(&str, Self); 3] =

@@ -26,7 +26,7 @@ pub(crate) fn read_profile_table(path: &Path, loading: &mut Loading<'_>) -> Resu
 /// # Errors
 /// As [`load_profile_table`].
 pub fn parse_profile_table(bytes: &[u8], path: &Path) -> Result<ProfileTable, SceneError> {
-    let rows = parse_profile_rows(bytes).map_err(|error| error.in_file(path))?;
+    let rows = parse_profile_rows(bytes).map_err(|error| SceneError::of_text(path, error))?;
     let table = ProfileTable { path: path.to_owned(), rows };
     table.table()?;
     Ok(table)

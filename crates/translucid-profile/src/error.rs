@@ -1,9 +1,6 @@
 //! Errors of parameters and of texts, with what is needed to mend them.
 
 use std::fmt;
-use std::path::Path;
-
-use translucid_words::{Error, Place};
 
 /// A parameter outside the range in which the model has a meaning.
 ///
@@ -78,12 +75,6 @@ impl InputError {
         Self { line: Some(line), ..Self::new(message) }
     }
 
-    /// The error of a text that is the content of a file.
-    pub fn in_file(self, path: &Path) -> Error {
-        let place = self.line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-        Error { place: Some(place), ..self.into() }
-    }
-
     /// Adds advice.
     pub(crate) fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
@@ -100,13 +91,6 @@ impl fmt::Display for InputError {
 }
 
 impl std::error::Error for InputError {}
-
-/// An error that is in no file.
-impl From<InputError> for Error {
-    fn from(error: InputError) -> Self {
-        Self { message: error.message, place: None, help: error.help }
-    }
-}
 
 /// A number as people write it: 0.95, but 1e200 and 3e-9 instead of all their zeros.
 struct Written(f64);

@@ -1,246 +1,58 @@
 //! `translucid.reference`: plane layers.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyMapping, PyTuple};
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
-use translucid_reference::layers::{Grid, Ground, Layer, Layers, LayersError, LayersTally, Quantity, Totals};
-use translucid_reference::walk::{Control, PhaseFunction};
+use pyo3::types::{PyDict, PyList, PyTuple};
+use translucid_desk::{Ask, LAYERS, stated_layers};
+use translucid_profile::Configuration;
+use translucid_reference::layers::{Grid, LayersTally, Quantity};
+use translucid_reference::walk::Control;
 use translucid_reference::{Estimate, Incidence};
+use translucid_words::{Cell, Provenance};
 
-use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
-use crate::phase_function::phase_function;
+use crate::arrays::{Any, Numbers, Rule, array_like};
+use crate::ask::{Said, answer, column};
 use crate::photons::Photons;
 use crate::reference::{pool, report, with_progress};
 use crate::{long_work, names};
 
-const RADII: Rule<'_> = Rule::new("r", "greater than 0", f64::MIN_POSITIVE, f64::MAX);
-const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 89.99]", 0.0, 89.99);
-/// Inversions by the bits of g: each takes some 0.1 s.
-type Inversions = HashMap<u64, AlbedoInversion>;
-
-/// Keys of a layer that have a number each.
-const KEYS: [&str; 7] = ["thickness", "scattering", "absorption", "surface_albedo", "mfp", "g", "eta"];
-/// Keys of a layer that have a phase function in the place of g.
-const PHASE_FUNCTIONS: [&str; 2] = ["moments", "phase_function"];
-/// Numbers that a call returns of each stack, beside what each layer absorbs.
-const RESULTS: usize = 6;
-/// Error of totals beyond which they are none.
-const HOPELESS: f64 = 1e-2;
-
-/// What a call says about layers, with arrays wherever it has them.
-struct Stacks<'py> {
-    /// Names as messages tell them, and numbers.
-    arguments: Vec<(String, Numbers<'py>)>,
-    layers: Vec<LayerKeys>,
-    eta_above: usize,
-    below: Below,
-}
-
-/// Places of a layer's numbers among all arguments, in the order of [`KEYS`], and its phase function where g is none.
-struct LayerKeys {
-    places: [Option<usize>; KEYS.len()],
-    phase_function: Option<PhaseFunction>,
-}
-
-/// Where the number is that tells what is below, if any does.
-enum Below {
-    Unsaid,
-    Eta(usize),
-    Reflectance(usize),
-}
-
-impl<'py> Stacks<'py> {
-    fn read(layers: &Any<'py>, ends: &Ends<'_, 'py>) -> PyResult<Self> {
-        let one_layer = |_: PyErr| {
-            PyTypeError::new_err("layers must be a list of dicts, one for each layer from top to bottom")
-        };
-        let items: Vec<Any<'py>> = layers.try_iter().map_err(one_layer)?.collect::<PyResult<_>>()?;
-        let mut all = Self { arguments: Vec::new(), layers: Vec::new(), eta_above: 0, below: Below::Unsaid };
-        all.eta_above = match ends.eta_above {
-            Some(eta) => all.add("eta_above".into(), eta)?,
-            None => all.keep("eta_above".into(), Numbers::One(1.0)),
-        };
-        all.below = match (ends.eta_below, ends.ground_reflectance) {
-            (None, None) => Below::Unsaid,
-            (Some(eta), None) => Below::Eta(all.add("eta_below".into(), eta)?),
-            (None, Some(part)) => Below::Reflectance(all.add("ground_reflectance".into(), part)?),
-            _ => return Err(PyTypeError::new_err("give one of eta_below and ground_reflectance at most")),
-        };
-        for (number, item) in items.iter().enumerate() {
-            let layer = item.cast::<PyMapping>().map_err(|_| {
-                let kind = item.get_type();
-                PyTypeError::new_err(format!("layers[{number}] must be a dict, but is {kind}"))
-            })?;
-            let keys = all.read_layer(layer, number)?;
-            all.layers.push(keys);
-        }
-        Ok(all)
-    }
-
-    fn read_layer(&mut self, layer: &Bound<'py, PyMapping>, number: usize) -> PyResult<LayerKeys> {
-        let mut keys = LayerKeys { places: [None; KEYS.len()], phase_function: None };
-        for item in layer.items()?.iter() {
-            let (key, value): (Any<'py>, Any<'py>) = item.extract()?;
-            let key: String = key.extract().map_err(|_| {
-                let key = key.repr().map_or_else(|_| String::from("of no text"), |text| text.to_string());
-                PyTypeError::new_err(format!("layers[{number}] has the key {key}, but keys are words"))
-            })?;
-            let name = format!("layers[{number}][{key:?}]");
-            if PHASE_FUNCTIONS.contains(&key.as_str()) {
-                let known = if key == PHASE_FUNCTIONS[0] {
-                    let moments = Numbers::extract(&name, &value)?;
-                    if moments.shape().len() != 1 {
-                        return Err(PyValueError::new_err(format!("{name} must be a list of numbers")));
-                    }
-                    PhaseFunction::Moments(moments.broadcast(moments.shape()).into())
-                } else {
-                    phase_function(&name, Some(&value), 0.0)?
-                };
-                if keys.phase_function.replace(known).is_some() {
-                    let message = format!("layers[{number}] may have one of moments and phase_function");
-                    return Err(PyTypeError::new_err(message));
-                }
-                continue;
-            }
-            let Some(place) = KEYS.iter().position(|known| *known == key) else {
-                let known = [&KEYS[..], &PHASE_FUNCTIONS].concat().join(", ");
-                let message = format!("layers[{number}] has no key {key:?}, but may have {known}");
-                return Err(PyValueError::new_err(message));
-            };
-            keys.places[place] = Some(self.add(name, &value)?);
-        }
-        let [_, scattering, absorption, surface_albedo, mfp, g, _] = keys.places.map(|place| place.is_some());
-        match (scattering, absorption, surface_albedo, mfp) {
-            (true, true, false, false) | (false, false, true, true) => {}
-            _ => {
-                return Err(PyTypeError::new_err(format!(
-                    "layers[{number}] needs scattering and absorption, or surface_albedo and mfp"
-                )));
-            }
-        }
-        if g && keys.phase_function.is_some() {
-            let message = format!("layers[{number}] may have one of g and moments, or g and phase_function");
-            return Err(PyTypeError::new_err(message));
-        }
-        if surface_albedo && keys.phase_function.is_some() {
-            return Err(PyTypeError::new_err(format!(
-                "layers[{number}] has a surface_albedo, which is known for Henyey's and Greenstein's phase function alone: \
-                 give scattering and absorption beside moments or phase_function"
-            )));
-        }
-        Ok(keys)
-    }
-
-    fn add(&mut self, name: String, value: &Any<'py>) -> PyResult<usize> {
-        let numbers = Numbers::extract(&name, value)?;
-        Ok(self.keep(name, numbers))
-    }
-
-    fn keep(&mut self, name: String, numbers: Numbers<'py>) -> usize {
-        self.arguments.push((name, numbers));
-        self.arguments.len() - 1
-    }
-
-    fn shape(&self) -> PyResult<Vec<usize>> {
-        let shapes: Vec<(&str, &[usize])> =
-            self.arguments.iter().map(|(name, numbers)| (name.as_str(), numbers.shape())).collect();
-        let shape = broadcast_shape(&shapes)?;
-        // Columns of arguments, of bits, and of results: asked for and given back, as none could only end the process
-        let bytes = size_of::<f64>() * (2 * shapes.len() + 2 * RESULTS);
-        let needed =
-            shape.iter().try_fold(bytes, |bytes, count| bytes.checked_mul(*count)).unwrap_or(usize::MAX);
-        match Vec::<u8>::new().try_reserve_exact(needed) {
-            Ok(()) => Ok(shape),
-            Err(_) => {
-                Err(PyMemoryError::new_err(format!("arguments broadcast to {shape:?}, too many for memory")))
-            }
-        }
-    }
-
-    /// The different stacks of all elements, and which of them each element has.
-    fn build(&self, shape: &[usize]) -> PyResult<(Vec<Layers>, Vec<usize>)> {
-        let columns: Vec<Vec<f64>> =
-            self.arguments.iter().map(|(_, numbers)| numbers.broadcast(shape)).collect();
-        let own = self.arguments.len()
-            - usize::from(self.arguments.last().is_some_and(|(name, _)| name == RADII.name));
-        let (mut known, mut stacks, mut places) = (HashMap::new(), Vec::new(), Vec::new());
-        let mut inversions = Inversions::new();
-        for element in 0..shape.iter().product() {
-            let bits: Vec<u64> = columns[..own].iter().map(|column| column[element].to_bits()).collect();
-            let next = stacks.len();
-            let place = *known.entry(bits).or_insert(next);
-            if place == next {
-                let values: Vec<f64> = columns.iter().map(|column| column[element]).collect();
-                let stack = self.stack(&values, &mut inversions).map_err(|error| {
-                    let index = crate::profiles::index_of(element, shape);
-                    let place =
-                        if index.is_empty() { String::new() } else { format!(" (at index {index:?})") };
-                    names::value_error(format!("{error}{place}"))
-                })?;
-                stacks.push(stack);
-            }
-            places.push(place);
-        }
-        Ok((stacks, places))
-    }
-
-    fn stack(&self, values: &[f64], inversions: &mut Inversions) -> Result<Layers, LayersError> {
-        let mut layers = Vec::with_capacity(self.layers.len());
-        for (number, keys) in self.layers.iter().enumerate() {
-            let within = |error: ParameterError| LayersError { layer: Some(number), error };
-            let [thickness, scattering, absorption, surface_albedo, mfp, g, eta] =
-                keys.places.map(|place| place.map(|place| values[place]));
-            let (thickness, g) = (thickness.unwrap_or(f64::INFINITY), g.unwrap_or(0.0));
-            let layer = match (scattering.zip(absorption), surface_albedo.zip(mfp)) {
-                (_, Some((albedo, mfp))) => {
-                    let inversion = match inversions.entry(g.to_bits()) {
-                        Entry::Occupied(known) => known.into_mut(),
-                        Entry::Vacant(place) => place
-                            .insert(AlbedoInversion::new(g, 1.0, Configuration::Diffuse).map_err(within)?),
-                    };
-                    Layer::from_surface_albedo(inversion, albedo, mfp, Parameterization::Mfp, thickness)
-                        .map_err(within)?
-                }
-                (coefficients, None) => {
-                    let (scattering, absorption) = coefficients.unwrap_or_default();
-                    Layer::new(scattering, absorption, thickness).with_g(g)
-                }
-            };
-            let layer = layer.with_eta(eta.unwrap_or(1.0));
-            layers.push(match &keys.phase_function {
-                Some(phase_function) => layer.with_phase_function(phase_function.clone()),
-                None => layer,
-            });
-        }
-        let is_endless = layers.last().is_some_and(|layer| layer.thickness == f64::INFINITY);
-        let ground = match self.below {
-            Below::Eta(place) => Ground::Medium { eta: values[place] },
-            Below::Reflectance(place) => Ground::Lambertian { reflectance: values[place] },
-            Below::Unsaid if is_endless => Ground::None,
-            Below::Unsaid => Ground::AIR,
-        };
-        Layers::new(values[self.eta_above], layers, ground)
-    }
-
-    /// Numbers in the shape and precision of the arguments.
-    fn array(&self, py: Python<'py>, shape: &[usize], numbers: Vec<f64>) -> PyResult<Any<'py>> {
-        let arguments: Vec<&Numbers<'py>> = self.arguments.iter().map(|(_, numbers)| numbers).collect();
-        array_like(py, &arguments, shape, numbers)
-    }
-}
+const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64.next_down());
 
 /// What is above and below layers.
 struct Ends<'a, 'py> {
     eta_above: Option<&'a Any<'py>>,
     eta_below: Option<&'a Any<'py>>,
     ground_reflectance: Option<&'a Any<'py>>,
+}
+
+/// Paths of a document of layers, and what a caller calls them.
+const RENAMED: [(&str, &str); 4] = [
+    ("layers.layer[", "layers["),
+    ("layers.above.eta", "eta_above"),
+    ("layers.below.eta", "eta_below"),
+    ("layers.below.reflectance", "ground_reflectance"),
+];
+
+/// Layers and what is around them, as a file states them.
+fn document<'py>(py: Python<'py>, layers: &Any<'py>, ends: &Ends<'_, 'py>) -> PyResult<Any<'py>> {
+    let document = PyDict::new(py);
+    document.set_item("layer", layers)?;
+    let [above, below] = [PyDict::new(py), PyDict::new(py)];
+    for (table, key, value) in [
+        (&above, "eta", ends.eta_above),
+        (&below, "eta", ends.eta_below),
+        (&below, "reflectance", ends.ground_reflectance),
+    ] {
+        value.map_or(Ok(()), |value| table.set_item(key, value))?;
+    }
+    for (key, table) in [("above", above), ("below", below)] {
+        if !table.is_empty() {
+            document.set_item(key, table)?;
+        }
+    }
+    Ok(document.into_any())
 }
 
 /// How light arrives: as a beam along the normal unless something else is said, as in the command.
@@ -258,53 +70,6 @@ fn incidence(configuration: Option<&str>, angle: Option<&Any<'_>>) -> PyResult<I
     }
     let degrees = Numbers::extract(ANGLE.name, angle)?.single(&ANGLE)?;
     Ok(Incidence::Pencil { cos_theta: degrees.to_radians().cos() })
-}
-
-/// Error at which no finer rule is needed, at least `least`.
-fn tolerance(argument: Option<&Any<'_>>, least: f64, default: f64) -> PyResult<f64> {
-    let allowed = format!("in [{least:e}, 0.1]");
-    let rule = Rule::new("tolerance", &allowed, least, 0.1);
-    argument.map_or(Ok(default), |argument| Numbers::extract(rule.name, argument)?.single(&rule))
-}
-
-/// Parts that the work on a stack counts as.
-const PARTS: u64 = 1000;
-
-/// Solves every stack on all threads, with progress; the first error names no element, as it is the light's.
-fn solve<T: Send + 'static>(
-    py: Python<'_>,
-    stacks: Vec<Layers>,
-    threads: Option<usize>,
-    progress: Option<&Any<'_>>,
-    one: impl Fn(&Layers, &Control<'_>) -> Result<Option<T>, String> + Send + Sync + 'static,
-) -> PyResult<Vec<T>> {
-    let (done, pool, total) = (Arc::new(AtomicU64::new(0)), pool(threads)?, PARTS * stacks.len() as u64);
-    let counter = Arc::clone(&done);
-    let work = move |stop: &AtomicBool| {
-        pool.install(|| {
-            let solve = |layers: &Layers| {
-                let counted = AtomicU64::new(0);
-                // Threads may come in another order than their counts
-                let count = |part: u64| {
-                    let before = counted.fetch_max(part, Ordering::Relaxed);
-                    counter.fetch_add(part.saturating_sub(before), Ordering::Relaxed);
-                };
-                // Nobody waits for what is left out
-                let control = Control { stop, progress: &count, ..Control::default() };
-                let solved = one(layers, &control)?.ok_or_else(String::new);
-                count(PARTS);
-                solved
-            };
-            stacks.par_iter().map(solve).collect::<Result<Vec<T>, String>>()
-        })
-    };
-    with_progress(py, progress, "layers", "part", |progress| {
-        let solved = long_work::run_or_abandon(py, work, |_| {
-            report(progress, done.load(Ordering::Relaxed).min(total.saturating_sub(1)), total)
-        })?;
-        report(progress, total, total)?;
-        solved.map_err(PyValueError::new_err)
-    })
 }
 
 /// Makes a tuple with names of `translucid.reference`.
@@ -386,36 +151,28 @@ pub(crate) fn layers<'py>(
     threads: Option<usize>,
     progress: Option<&Any<'py>>,
 ) -> PyResult<Any<'py>> {
-    let incidence = incidence(configuration, incidence_angle)?;
-    let arguments = Stacks::read(layers, &Ends { eta_above, eta_below, ground_reflectance })?;
-    let shape = arguments.shape()?;
-    let (stacks, places) = arguments.build(&shape)?;
-    let tolerance = self::tolerance(tolerance, 1e-12, 1e-6)?;
-    let one = move |layers: &Layers, control: &Control<'_>| {
-        let totals =
-            layers.totals_within(tolerance, incidence, control).map_err(|error| error.to_string())?;
-        match totals {
-            Some(totals) if totals.error > HOPELESS.max(tolerance) => {
-                Err("layers have no exact solution: their coefficients are too far apart".into())
-            }
-            totals => Ok(totals),
-        }
-    };
-    let totals = solve(py, stacks, threads, progress, one)?;
-    let column = |of: fn(&Totals) -> f64| {
-        arguments.array(py, &shape, places.iter().map(|place| of(&totals[*place])).collect())
-    };
-    let absorbed = places.iter().flat_map(|place| totals[*place].absorbed.iter().copied()).collect();
-    let by_layer: Vec<usize> = [&shape[..], &[arguments.layers.len()]].concat();
-    let fields = vec![
-        column(|totals| totals.specular_reflectance)?,
-        column(|totals| totals.diffuse_reflectance)?,
-        column(|totals| totals.collimated_transmittance)?,
-        column(|totals| totals.diffuse_transmittance)?,
-        arguments.array(py, &by_layer, absorbed)?,
-        column(|totals| totals.absorbed_by_ground)?,
-        column(|totals| totals.error)?,
+    let ends = Ends { eta_above, eta_below, ground_reflectance };
+    let mut arguments = vec![("layers", document(py, layers, &ends)?)];
+    let optional = [
+        ("configuration", configuration.map(|name| name.into_pyobject(py).map(Bound::into_any)).transpose()?),
+        ("incidence_angle", incidence_angle.cloned()),
+        ("tolerance", tolerance.cloned()),
     ];
+    arguments.extend(optional.into_iter().filter_map(|(name, value)| Some((name, value?))));
+    let said = Said::new(&LAYERS.keys(), &arguments)?;
+    let answer = answer(py, &LAYERS, &said, threads, progress, &RENAMED)?;
+    let table = &answer.tables[0];
+    let last = table.columns.len() - 2;
+    let layers = last - 4;
+    let absorbed = (0..table.rows.len()).flat_map(|row| (4..last).map(move |column| (row, column)));
+    let number = |(row, column): (usize, usize)| match &table.rows[row][column] {
+        Cell::Number(number) => *number,
+        Cell::Word(_) => f64::NAN,
+    };
+    let mut fields = (0..4).map(|i| column(py, &said, table, i, true)).collect::<PyResult<Vec<_>>>()?;
+    fields.push(said.array(py, &[layers], absorbed.map(number).collect())?);
+    fields.push(column(py, &said, table, last, true)?);
+    fields.push(column(py, &said, table, last + 1, true)?);
     named(py, "LayersTotals", fields)
 }
 
@@ -474,27 +231,13 @@ pub(crate) fn layers_profile<'py>(
     threads: Option<usize>,
     progress: Option<&Any<'py>>,
 ) -> PyResult<Any<'py>> {
-    let radii = Numbers::extract(RADII.name, r)?;
-    radii.require(&RADII)?;
-    let mut arguments = Stacks::read(layers, &Ends { eta_above, eta_below, ground_reflectance })?;
-    let radii_place = arguments.keep(RADII.name.into(), radii);
-    let shape = arguments.shape()?;
-    let (stacks, places) = arguments.build(&shape)?;
-    let tolerance = self::tolerance(tolerance, 1e-4, 1e-4)?;
-    let profiles = solve(py, stacks, threads, progress, move |layers: &Layers, control: &Control<'_>| {
-        let profile = layers.profile_within(tolerance, control);
-        profile.map_err(|error| format!("layers have no exact profile: {error}"))
-    })?;
-    let radii = arguments.arguments[radii_place].1.broadcast(&shape);
-    let mut columns = [const { Vec::new() }; 4];
-    for (place, r) in places.iter().zip(&radii) {
-        let (reflected, transmitted) = (profiles[*place].reflectance(*r), profiles[*place].transmittance(*r));
-        let row = [reflected.value, reflected.error, transmitted.value, transmitted.error];
-        columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-    }
-    let fields: PyResult<Vec<Any<'py>>> =
-        columns.into_iter().map(|column| arguments.array(py, &shape, column)).collect();
-    named(py, "LayersProfile", fields?)
+    let ends = Ends { eta_above, eta_below, ground_reflectance };
+    let mut arguments = vec![("layers", document(py, layers, &ends)?), ("r", r.clone())];
+    arguments.extend(tolerance.map(|tolerance| ("tolerance", tolerance.clone())));
+    let said = Said::new(&LAYERS.keys(), &arguments)?;
+    let answer = answer(py, &LAYERS, &said, threads, progress, &RENAMED)?;
+    let columns = (1..5).map(|i| column(py, &said, &answer.tables[0], i, true)).collect::<PyResult<Vec<_>>>();
+    named(py, "LayersProfile", columns?)
 }
 
 /// Walks photons through plane layers.
@@ -577,15 +320,19 @@ pub(crate) fn layers_walk<'py>(
         return Err(PyTypeError::new_err("photons must be a whole number: layers are walked in one go"));
     };
     let incidence = incidence(configuration, incidence_angle)?;
-    let arguments = Stacks::read(layers, &Ends { eta_above, eta_below, ground_reflectance })?;
-    if let Some((name, numbers)) = arguments.arguments.iter().find(|(_, numbers)| !numbers.shape().is_empty())
-    {
-        let shape = numbers.shape();
+    let ends = Ends { eta_above, eta_below, ground_reflectance };
+    let arguments = [("layers", document(py, layers, &ends)?)];
+    let said = Said::new(&LAYERS.keys(), &arguments)?;
+    if !said.shape().is_empty() {
+        let shape = said.shape();
         return Err(PyTypeError::new_err(format!(
-            "{name} must be one number for a walk, but is an array of shape {shape:?}"
+            "numbers of layers must be one each for a walk, but there are arrays of shape {shape:?}"
         )));
     }
-    let layers = arguments.build(&[])?.0.swap_remove(0);
+    let layers = stated_layers(&Provenance::part(""), said.entries()).map_err(|error| {
+        let message = RENAMED.iter().fold(error.message, |text, (path, name)| text.replace(path, name));
+        PyValueError::new_err(message)
+    })?;
     let sets = absorptions.map(|argument| absorption_sets(argument, layers.layers().len())).transpose()?;
     let grid = Grid { dr, nr, dz, nz, na: 1 };
     let (pool, done) = (pool(threads)?, AtomicU64::new(0));

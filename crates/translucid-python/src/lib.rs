@@ -4,6 +4,7 @@
 //! takes long runs without the interpreter and ends with Ctrl-C.
 
 mod arrays;
+mod ask;
 mod command;
 mod convert;
 mod fit;
@@ -44,6 +45,7 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("LAYERS", translucid_render::FilmLayer::ALL.map(translucid_render::FilmLayer::name))?;
     module.add("SceneError", module.py().get_type::<scene_error::SceneError>())?;
     for function in [
+        wrap_pyfunction!(ask::_ask, module)?,
         wrap_pyfunction!(fit::fit, module)?,
         wrap_pyfunction!(fit::fit_scaling, module)?,
         wrap_pyfunction!(convert::_convert, module)?,

@@ -11,7 +11,7 @@ use translucid_profile::{Model, Profile, TabulatedProfile};
 
 use crate::exact::Exact;
 use crate::options::Options;
-use crate::{conversion, export, profile};
+use crate::{ask, conversion, export, profile};
 
 /// A thing of JavaScript's that lives here, until it is freed.
 enum Handle {
@@ -98,6 +98,7 @@ impl Desk {
             "models" => return Ok(Model::ALL.map(Model::name).to_vec().into()),
             "version" => return Ok(env!("CARGO_PKG_VERSION").into()),
             "export" => return export::export(options),
+            "ask" => return ask::ask(options),
             other => return Err(format!("there is no call {other:?}")),
         };
         Ok(self.keep(made).into())
@@ -177,6 +178,22 @@ mod tests {
         assert_eq!(call_with(&mut desk, &eval, &[0.1, 1.0]), Ok(Value::Null));
         assert_eq!(desk.numbers.len(), 4);
         assert!((desk.numbers[0] - 0.56107803).abs() < 1e-8 && desk.numbers[2] < 1e-9);
+    }
+
+    #[test]
+    fn questions_are_answered_or_refused_in_the_spelling_of_javascript() {
+        let ask = |said: Value| {
+            let options = json!({ "question": "'stack", "said": said });
+            call_with(&mut Desk::default(), &json!({ "call": "'ask", "options": options }), &[])
+        };
+        let layer = json!({ "thickness": "#1", "surfaceAlbedo": ["#0.8", "#0.5", "#0.3"], "mfp": "#0.1" });
+        let answer = ask(json!({ "layers": [layer.clone()] })).unwrap();
+        assert_eq!(answer["columns"]["ground"], json!(["black", "white", "below"]));
+        assert!(answer["svg"].as_str().unwrap().starts_with("<svg"));
+        let wrong = ask(json!({ "layers": [{ "thickness": "#1", "surfaceAlbedo": "#2", "mfp": "#0.1" }] }));
+        assert_eq!(wrong.unwrap_err(), "layers[0].surfaceAlbedo is 2, but must be in (0, 1]");
+        let wrong = ask(json!({ "layers": [layer.clone()], "observr": "'2" })).unwrap_err();
+        assert!(wrong.starts_with("the question has no key observr (did you mean observer?"), "{wrong}");
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! # Out of scope
 //! Threads, files, scenes, pictures, walks and tilted beams.
 
+mod ask;
 mod conversion;
 pub mod desk;
 mod exact;

@@ -5,6 +5,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use translucid_profile::InputError;
+
 /// Place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -72,6 +74,12 @@ impl Error {
         Self { message: message.into(), place: Some(place), help: None }
     }
 
+    /// The error of a text that is the content of a file.
+    pub fn of_text(path: &Path, error: InputError) -> Self {
+        let place = error.line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
+        Self { place: Some(place), ..error.into() }
+    }
+
     /// An error that is in no file.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), place: None, help: None }
@@ -116,6 +124,13 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// An error that is in no file.
+impl From<InputError> for Error {
+    fn from(error: InputError) -> Self {
+        Self { message: error.message, place: None, help: error.help }
+    }
+}
 
 /// Something a loader repaired or left out, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]

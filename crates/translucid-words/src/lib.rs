@@ -6,6 +6,9 @@
 //! A [`Thing`] lists the fields of a light, a layer, a question …: key, meaning, range, default, and place in the thing.
 //! From this one list follow reading, writing and checking, and whatever shows or documents it.
 //!
+//! It knows the names and errors of the crates of numbers below it, and nothing else, so that editing it recompiles none of
+//! what computes.
+//!
 //! # Out of scope
 //! Reading files, and any knowledge of what the things are.
 
@@ -14,7 +17,6 @@ mod color;
 mod data_table;
 mod error;
 mod interval;
-mod nearest;
 mod table;
 mod thing;
 mod value;
@@ -28,7 +30,6 @@ pub use color::{hexadecimal_color, linear_from_srgb};
 pub use data_table::{Cell, Column, DataTable, exact};
 pub use error::{Error, Place, Warning};
 pub use interval::{Interval, WholeInterval, check_index, refusal};
-pub use nearest::nearest;
 pub use table::{Item, Provenance, Spelling, Table};
 pub use thing::{Choice, Fallback, Field, Key, Kinds, Rule, Slot, Thing, Word, is_same};
 pub use value::{Content, Entry, Object, Value, digits, quoted};

@@ -4,11 +4,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use translucid_profile::nearest;
+
 use super::thing::Word;
 use super::value::{Content, Entry, Value};
 use crate::color::hexadecimal_color;
 use crate::interval::{Interval, WholeInterval};
-use crate::nearest::nearest;
 use crate::{Error, Place};
 
 /// What values were read from, into which errors point.
@@ -164,8 +165,13 @@ impl<'a> Table<'a> {
 
     fn unknown(&self, entry: &Entry) -> Error {
         let message = format!("{} has no key {}", self.path(), shown(&entry.key));
-        let all = format!("the keys are {}", self.keys.join(", "));
-        let help = match nearest(&entry.key, self.keys.iter().copied()) {
+        let spelled = |key: &&str| match self.source.spelling {
+            Spelling::Camel => Spelling::Camel.of(key),
+            _ => (*key).to_owned(),
+        };
+        let keys: Vec<String> = self.keys.iter().map(spelled).collect();
+        let all = format!("the keys are {}", keys.join(", "));
+        let help = match nearest(&entry.key, keys.iter().map(String::as_str)) {
             Some(near) => format!("did you mean {near}? {all}"),
             None => all,
         };

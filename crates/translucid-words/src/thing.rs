@@ -3,6 +3,10 @@
 //! From this one list follow reading, writing and checking a thing, the flags of a command, the arguments of a function,
 //! the rows of a page, and the tables of the guide.
 
+use translucid_display::ToneMapping;
+use translucid_profile::convention::Unit;
+use translucid_profile::{Configuration, Parameterization};
+
 use crate::Error;
 use crate::interval::refusal;
 use crate::table::{Item, Table};
@@ -140,6 +144,23 @@ pub enum Rule<T> {
 pub trait Word: Copy + PartialEq + 'static {
     /// Every value by its name.
     const WORDS: &'static [(&'static str, Self)];
+}
+
+impl Word for Configuration {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
+}
+
+impl Word for Parameterization {
+    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
+}
+
+impl Word for Unit {
+    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
+}
+
+impl Word for ToneMapping {
+    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
 }
 
 /// A value out of a few with names, whatever its type.

@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &ReferenceArguments, path: &Path) -> Result<(), Fai
         return Err(at(path, None, String::from("is not a file")));
     }
     let bytes = fs::read(path).map_err(|error| at(path, None, format!("cannot be read: {error}")))?;
-    let runs = parse_mci(&bytes).map_err(|error| error.in_file(path))?;
+    let runs = parse_mci(&bytes).map_err(|error| SceneError::of_text(path, error))?;
     for run in &runs {
         run.check().map_err(|error| at(path, Some(run.line), format!("{}: {error}", run.output)))?;
     }

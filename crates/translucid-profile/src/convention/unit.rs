@@ -12,10 +12,6 @@ pub enum Unit {
     Meter,
 }
 
-impl translucid_words::Word for Unit {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
-}
-
 impl Unit {
     /// Every unit by its name, in the order of the variants.
     pub const WORDS: [(&str, Self); 3] =

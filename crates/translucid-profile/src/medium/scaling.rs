@@ -27,15 +27,6 @@ pub enum Parameterization {
     Dmfp,
 }
 
-impl translucid_words::Word for Configuration {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
-}
-
-impl translucid_words::Word for Parameterization {
-    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
-}
-
 /// Scale s(A) from the mean free path ℓ in the searchlight configuration, dimensionless.
 ///
 /// ```text
