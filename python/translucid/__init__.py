@@ -4,6 +4,7 @@
 - `reference`: the exact half space and Monte Carlo walks, with errors.
 - `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
 - `measure`: a material from a photograph, with confidence intervals.
+- `stack`: the color of plane layers over grounds.
 - `convert`: a material in the numbers of other renderers.
 - `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
@@ -30,7 +31,9 @@ from ._conversion import Conversion, ConvertedParameter, convert
 from ._cryptomatte import cryptomatte_metadata
 from ._cycles import cycles_material
 from ._measure import Measured, Measurement, measure
+from ._answer import Answer
 from ._presets import presets
+from ._questions import stack
 from ._render import Picture, Session, render
 from ._translucid import (
     Fit,
@@ -49,6 +52,7 @@ from ._translucid import (
 )
 
 __all__ = [
+    "Answer",
     "Conversion",
     "ConvertedParameter",
     "Fit",
@@ -73,6 +77,7 @@ __all__ = [
     "read_exr",
     "reference",
     "render",
+    "stack",
     "tonemap",
     "write_exr",
 ]

@@ -55,7 +55,7 @@ fn verb(question: &'static dyn Ask) -> Command {
     let output = "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout";
     Command::new(question.name())
         .about(question.doc())
-        .args(question.keys().iter().map(option))
+        .args(question.keys().iter().enumerate().map(|(i, key)| option(key, i == 0)))
         .args([
             Arg::new("output")
                 .short('o')
@@ -92,8 +92,8 @@ fn after_help(question: &dyn Ask) -> String {
     format!("{}\n\nColumns:\n{}\n\nExamples:\n{}", question.more(), columns.join("\n"), examples.join("\n"))
 }
 
-/// The option of a key, or the file of the question.
-fn option(key: &Described) -> Arg {
+/// The option of a key, or the file that the question is about.
+fn option(key: &Described, is_first: bool) -> Arg {
     let more = if key.more.is_empty() { String::new() } else { format!(" {}", key.more) };
     let default = match &key.default {
         default if default.is_empty() || key.kind == Kind::Flag || default == "none" => String::new(),
@@ -102,15 +102,15 @@ fn option(key: &Described) -> Arg {
     let help = format!("{}{more}{default}", key.doc.replace('`', ""));
     let argument = Arg::new(key.name).help(help).required(key.is_required);
     let argument = match &key.kind {
-        Kind::Document(_) => return argument.value_name("FILE"),
+        Kind::Document(_) | Kind::Path if is_first && key.is_required => return argument.value_name("FILE"),
+        Kind::Tables(..) | Kind::Table(_) => return argument.hide(true),
         _ => argument.long(key.name.replace('_', "-")),
     };
     let argument = match &key.kind {
         Kind::Flag => return argument.action(ArgAction::SetTrue),
         Kind::Word(words) => argument.value_parser(PossibleValuesParser::new(words.clone())),
-        Kind::Path => argument.value_name("FILE"),
-        Kind::Numbers(_, [_, most]) if *most == 1 => argument,
-        Kind::Numbers(..) | Kind::Varied(_) | Kind::Words(_) => {
+        Kind::Path | Kind::Document(_) => argument.value_name("FILE"),
+        Kind::Numbers(..) | Kind::Varied(_) | Kind::Words(_) | Kind::Texts(_) => {
             argument.value_name(format!("{},...", key.name.to_uppercase()))
         }
         _ => argument,
@@ -208,7 +208,7 @@ pub(crate) fn value(kind: &Kind, text: &str) -> Value {
             Ok(numbers) => Content::Numbers(numbers.into()).into(),
             Err(_) => text.into(),
         },
-        Kind::Words(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
+        Kind::Words(_) | Kind::Texts(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
         _ => text.into(),
     }
 }

@@ -63,10 +63,13 @@ fn files() -> Result<Vec<Generated>, String> {
     ];
     for (page, names) in PAGES {
         all.push(file(page, &|old| {
-            names.iter().try_fold(old.to_owned(), |text, name| {
-                let question = QUESTIONS.into_iter().find(|question| question.name() == *name);
-                let table = markdown(&question.ok_or("there is no such question")?.keys());
-                replaced(&text, &format!("<!-- options: {name} -->\n"), "<!-- end of options -->", &table)
+            names.iter().try_fold(old.to_owned(), |text, path| {
+                replaced(
+                    &text,
+                    &format!("<!-- options: {path} -->\n"),
+                    "<!-- end of options -->",
+                    &keys_at(path)?,
+                )
             })
         })?);
     }
@@ -81,24 +84,45 @@ fn replaced(text: &str, begin: &str, end: &str, new: &str) -> Result<String, Str
     Ok(format!("{head}{begin}{new}{end}{tail}"))
 }
 
-/// A Markdown table of keys.
-fn markdown(keys: &[Described]) -> String {
-    let mut text = String::from("\n| option | meaning | default |\n|---|---|---|\n");
+/// The Markdown table of a question's options, or of the keys at a path.
+fn keys_at(path: &str) -> Result<String, String> {
+    let (name, path) = path.split_once('.').unwrap_or((path, ""));
+    let question = QUESTIONS.into_iter().find(|question| question.name() == name);
+    let mut keys = question.ok_or_else(|| format!("there is no question {name}"))?.keys();
+    for name in path.split('.').filter(|name| !name.is_empty()) {
+        let key = keys.into_iter().find(|key| key.name == name);
+        keys = match key.ok_or_else(|| format!("there is no key {name}"))?.kind {
+            Kind::Document(keys) | Kind::Table(keys) | Kind::Tables(keys, _) => keys,
+            _ => return Err(format!("{name} has no keys")),
+        };
+    }
+    Ok(markdown(&keys, path.is_empty()))
+}
+
+/// A Markdown table of options or keys.
+fn markdown(keys: &[Described], are_options: bool) -> String {
+    let head = if are_options { "option" } else { "key" };
+    let mut text = format!("\n| {head} | meaning | default |\n|---|---|---|\n");
     for key in keys {
         let name = match key.kind {
             Kind::Document(_) => String::from("FILE"),
-            _ => format!("--{}", key.name.replace('_', "-")),
+            _ if are_options => Spelling::Flags.of(key.name),
+            _ => key.name.to_owned(),
         };
         let more = if key.more.is_empty() { String::new() } else { format!(" {}", key.more) };
         let words = match key.kind.words() {
-            [] => String::new(),
+            words if words.is_empty() || key.doc.contains(words[0]) => String::new(),
             words => {
                 format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
             }
         };
-        let default = if key.is_required { "must be given" } else { &key.default };
+        let default = match (&key.kind, key.is_required) {
+            (_, true) => "must be given",
+            (Kind::Flag, _) => "off",
+            _ => &key.default,
+        };
         // Writing to a string cannot fail
-        let _ = writeln!(text, "| `{name}` | {}{words}{more} | {default} |", key.doc);
+        let _ = writeln!(text, "| `{name}` | {}{words}{more} | {default} |", key.doc.replace('|', "\\|"));
     }
     text + "\n"
 }
@@ -164,6 +188,7 @@ fn python_type(kind: &Kind) -> String {
             format!("{one} | Iterable[{one}]")
         }
         Kind::Text(_) => "str".into(),
+        Kind::Texts(_) => "str | Iterable[str]".into(),
         Kind::Path => "str | os.PathLike[str]".into(),
         Kind::Table(_) => "Mapping[str, Any]".into(),
         Kind::Tables(..) => "Iterable[Mapping[str, Any]]".into(),
@@ -181,6 +206,7 @@ fn python_kind(kind: &Kind) -> String {
         }
         Kind::Numbers(..) | Kind::Varied(_) => "array_like".into(),
         Kind::Text(form) => format!("str: {form}"),
+        Kind::Texts(form) => format!("list of str: {form}"),
         Kind::Document(_) => "list of dict, dict, or path of a TOML file".into(),
         other => python_type(other)
             .replace("Iterable[Mapping[str, Any]]", "list of dict")
@@ -324,6 +350,7 @@ fn javascript_type(kind: &Kind, indent: &str) -> String {
         Kind::Word(list) => words(list),
         Kind::Words(list) => format!("({0}) | ({0})[]", words(list)),
         Kind::Text(_) | Kind::Path => "string".into(),
+        Kind::Texts(_) => "string | string[]".into(),
         Kind::Table(keys) => table(keys),
         Kind::Tables(keys, _) => format!("{}[]", table(keys)),
         Kind::Document(keys) => {

@@ -41,6 +41,8 @@ pub(crate) struct LayerKeys {
     eta: Option<Varied>,
 }
 
+const OF_HENYEY_AND_GREENSTEIN: &str = "surface_albedo is known for Henyey and Greenstein's phase function alone: give scattering and absorption";
+
 #[rustfmt::skip]
 const LAYER: Thing<LayerKeys, Questions> = Thing {
     name: "a layer",
@@ -70,10 +72,9 @@ const LAYER: Thing<LayerKeys, Questions> = Thing {
     ],
     rules: &[
         Rule::OneOf(&[&["scattering", "absorption"], &["surface_albedo", "mfp"], &["filament"]]),
-        Rule::NotWith(&["g", "moments", "phase_function", "filament"]),
-        // Known for Henyey and Greenstein's phase function alone
-        Rule::NotWith(&["surface_albedo", "moments"]),
-        Rule::NotWith(&["surface_albedo", "phase_function"]),
+        Rule::NotWith(&["g", "moments", "phase_function", "filament"], "each states a phase function"),
+        Rule::NotWith(&["surface_albedo", "moments"], OF_HENYEY_AND_GREENSTEIN),
+        Rule::NotWith(&["surface_albedo", "phase_function"], OF_HENYEY_AND_GREENSTEIN),
     ],
 };
 
@@ -371,7 +372,7 @@ pub static LAYERS: Question<AskedLayers> = Question {
             field!(AskedLayers { r } => varied(r, Interval::closed(0.0, f64::MAX)),
                 "distances from the beam [L], {range}; without them totals are computed", Words("none")),
         ],
-        rules: &[Rule::NotWith(&["r", "incidence_angle"])],
+        rules: &[Rule::NotWith(&["r", "incidence_angle"], "profiles of layers are those of a searchlight along the normal")],
     },
     more: "Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered light only, around a beam along the normal.",
     source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",

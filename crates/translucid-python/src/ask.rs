@@ -88,7 +88,7 @@ impl<'py> Said<'py> {
             return self.table(name, table, kind);
         }
         match kind {
-            Some(Kind::Document(_) | Kind::Table(_) | Kind::Tables(..) | Kind::Words(_)) => {
+            Some(Kind::Document(_) | Kind::Table(_) | Kind::Tables(..) | Kind::Words(_) | Kind::Texts(_)) => {
                 let list = value
                     .try_iter()
                     .map_err(|_| PyTypeError::new_err(format!("{name} must be a list of dicts or a dict")))?;

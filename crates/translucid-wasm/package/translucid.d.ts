@@ -327,3 +327,20 @@ export function exportText(options: ExportOptions): string;
 export function models(): Model[];
 /** Version of the module. */
 export function version(): string;
+
+/** An answer in columns. */
+export interface Answer {
+    /** Numbers or words by the names of their columns, null where there is none. */
+    columns: { [name: string]: (number | string | null)[] };
+    /** The answer for people, numbers rounded, if there is one. */
+    text: string | null;
+    /** Its picture, if there is one. */
+    svg: string | null;
+    /** Remarks on the answer. */
+    notes: string[];
+    /** Reasons to doubt it. */
+    warnings: string[];
+}
+
+// questions
+// end of questions

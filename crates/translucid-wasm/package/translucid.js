@@ -168,3 +168,9 @@ export const presets = () => call("presets");
 export const systems = () => call("systems");
 export const models = () => call("models");
 export const version = () => call("version");
+
+/** Asks a question: options that are undefined are not said. */
+const ask = (question, said) => call("ask", { options: { question, said } });
+
+// questions
+// end of questions

@@ -104,6 +104,8 @@ pub enum Kind {
     Words(Vec<&'static str>),
     /// A text of a form that this phrase describes.
     Text(&'static str),
+    /// Texts of such a form.
+    Texts(&'static str),
     /// The path of a file that is read.
     Path,
     /// A table, or a file of its keys.
@@ -495,6 +497,25 @@ pub fn text<'a>(place: &'a mut Option<String>, form: &'static str) -> Box<dyn Qu
         kind: Kind::Text(form),
         read: |place, item, _| item.text().map(|text| *place = Some(text.to_owned())),
         value: |text| text.as_deref().map(Value::from),
+    })
+}
+
+/// Texts of a form that a phrase describes; one may stand alone.
+pub fn texts<'a>(place: &'a mut Vec<String>, form: &'static str) -> Box<dyn QuestionSlot + 'a> {
+    Box::new(Simple {
+        place,
+        kind: Kind::Texts(form),
+        read: |place, item, _| {
+            *place = match item.content() {
+                Content::List(list) => {
+                    let items = item.list("texts", list.len())?;
+                    items.iter().map(|item| item.text().map(str::to_owned)).collect::<Result<_, _>>()?
+                }
+                _ => vec![item.text()?.to_owned()],
+            };
+            Ok(())
+        },
+        value: |_| None,
     })
 }
 

@@ -80,6 +80,13 @@ impl Interval {
         Self { low: single(self.low), high: single(self.high), ..self }.contains(f64::from(x))
     }
 
+    /// The numbers nearest to the interval that are not in it, and those that are in none.
+    pub fn outside(self) -> Vec<f64> {
+        let low = if self.closed[0] { self.low.next_down() } else { self.low };
+        let high = if self.closed[1] { self.high.next_up() } else { self.high };
+        [low, high, f64::NAN, f64::NEG_INFINITY].into_iter().filter(|x| !self.contains(*x)).collect()
+    }
+
     /// The number of the interval that is nearest to `x`; the lowest for NaN.
     pub fn nearest(self, x: f32) -> f32 {
         let (low, high) = (self.low as f32, self.high as f32);

@@ -198,6 +198,14 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A key as messages about its own table have it.
+    pub fn name_of(&self, key: &str) -> String {
+        match self.source.spelling {
+            Spelling::Flags if !self.path.is_empty() => key.to_owned(),
+            spelling => spelling.of(key),
+        }
+    }
+
     /// The value of a key.
     pub fn get(&self, key: &'static str) -> Option<Item<'a>> {
         debug_assert!(self.keys.is_empty() || self.keys.contains(&key), "{key} is read but not allowed");
@@ -296,6 +304,8 @@ impl<'a> Item<'a> {
     /// "KEY is a string, but must be …", pointing at the value.
     pub fn mismatch(&self, must_be: &str) -> Error {
         let found = match self.content() {
+            // Options are texts in any case
+            Content::Text(_) if self.source.spelling == Spelling::Flags => return self.refuse(must_be),
             Content::Text(_) => "a string",
             Content::Integer(_) | Content::Float(_) => "a number",
             Content::Flag(_) => "a truth value",

@@ -134,8 +134,8 @@ pub enum Rule<T> {
     },
     /// Exactly one of several groups of keys is given, and that whole.
     OneOf(&'static [&'static [&'static str]]),
-    /// At most one of several keys is given.
-    NotWith(&'static [&'static str]),
+    /// At most one of several keys is given, for the reason in the advice.
+    NotWith(&'static [&'static str], &'static str),
     /// A key is given only beside one of others.
     OnlyWith(&'static str, &'static [&'static str]),
 }
@@ -297,16 +297,17 @@ impl<T: Clone, K: Kinds> Thing<T, K> {
         self.rules.iter().try_for_each(|rule| match rule {
             Rule::Holds { .. } => Ok(()),
             Rule::OneOf(groups) => one_of(table, groups),
-            Rule::NotWith(keys) => {
+            Rule::NotWith(keys, help) => {
                 let mut given = keys.iter().filter_map(|key| table.get(key));
                 match (given.next(), given.next()) {
-                    (Some(one), Some(other)) => Err(beside(&one, &other)),
+                    (Some(one), Some(other)) if help.is_empty() => Err(beside(&one, &other)),
+                    (Some(one), Some(other)) => Err(beside(&one, &other).with_help(*help)),
                     _ => Ok(()),
                 }
             }
             Rule::OnlyWith(key, others) => match table.get(key) {
                 Some(item) if others.iter().all(|other| table.get(other).is_none()) => {
-                    let others: Vec<String> = others.iter().map(|other| table.path_of(other)).collect();
+                    let others: Vec<String> = others.iter().map(|other| table.name_of(other)).collect();
                     Err(item.error(format!("{} is given without {}", item.path(), others.join(" or "))))
                 }
                 _ => Ok(()),
@@ -383,7 +384,7 @@ fn one_of(table: &Table<'_>, groups: &[&[&'static str]]) -> Result<(), Error> {
     match (given.next(), given.next()) {
         (Some((_, one)), Some((_, other))) => Err(beside(&one, &other)),
         (Some((group, one)), None) => match group.iter().find(|key| table.get(key).is_none()) {
-            Some(key) => Err(one.error(format!("{} needs {} beside it", one.path(), table.path_of(key)))),
+            Some(key) => Err(one.error(format!("{} needs {} beside it", one.path(), table.name_of(key)))),
             None => Ok(()),
         },
         (None, _) => {
