@@ -3,16 +3,16 @@
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches, Subcommand, value_parser};
+use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches, Subcommand, ValueEnum, value_parser};
 use translucid_desk::{Answer, Ask, Control, Prepared, QUESTIONS, Unanswered};
 use translucid_words::{Content, Described, Entry, Error, Kind, Provenance, Spelling, Value};
 
 use crate::failure::Failure;
 use crate::files::{input_among, write_file};
 use crate::progress::{Meter, Unit};
-use crate::table::{TableFormat, print};
+use crate::table::{ReadableFormat, TableFormat, print};
 use crate::{interrupt, machine, messages};
 
 /// A question with what the user says.
@@ -51,7 +51,9 @@ impl Subcommand for Asked {
 
 /// The verb of a question.
 fn verb(question: &'static dyn Ask) -> Command {
-    let formats: &[&str] = if question.has_text() { &["csv", "json", "text"] } else { &["csv", "json"] };
+    let formats = ReadableFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    let formats: Vec<PossibleValue> =
+        formats.filter(|format| question.has_text() || format.get_name() != "text").collect();
     let output = "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout";
     Command::new(question.name())
         .about(question.doc())
@@ -65,6 +67,7 @@ fn verb(question: &'static dyn Ask) -> Command {
                 .value_parser(value_parser!(PathBuf)),
             Arg::new("format")
                 .long("format")
+                .value_name("FORMAT")
                 .default_value("csv")
                 .help("How to print")
                 .value_parser(PossibleValuesParser::new(formats)),
@@ -94,13 +97,14 @@ fn after_help(question: &dyn Ask) -> String {
 
 /// The option of a key, or the file that the question is about.
 fn option(key: &Described, is_first: bool) -> Arg {
-    let more = if key.more.is_empty() { String::new() } else { format!(" {}", key.more) };
+    let more = if key.more.is_empty() { String::new() } else { format!(". {}", key.more) };
     let default = match &key.default {
         default if default.is_empty() || key.kind == Kind::Flag || default == "none" => String::new(),
         default => format!(" [default: {default}]"),
     };
-    let help = format!("{}{more}{default}", key.doc.replace('`', ""));
-    let argument = Arg::new(key.name).help(help).required(key.is_required);
+    let help = format!("{}{more}{default}", sentence(&key.doc.replace('`', "")));
+    let name = key.name.to_uppercase();
+    let argument = Arg::new(key.name).help(help).required(key.is_required).value_name(name);
     let argument = match &key.kind {
         Kind::Document(_) | Kind::Path if is_first && key.is_required => return argument.value_name("FILE"),
         Kind::Tables(..) | Kind::Table(_) => return argument.hide(true),
@@ -116,6 +120,13 @@ fn option(key: &Described, is_first: bool) -> Arg {
         _ => argument,
     };
     argument.allow_hyphen_values(true)
+}
+
+/// Words with a capital letter.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    first + letters.as_str()
 }
 
 impl Asked {

@@ -71,6 +71,8 @@ pub struct Question<T: 'static> {
     pub source: &'static str,
     /// Whether the answer has a row for each channel or element of values that vary.
     pub is_by_element: bool,
+    /// A question that is right, in few words.
+    pub right: fn() -> Vec<Entry>,
     /// Examples as words of the command.
     pub examples: &'static [&'static str],
     /// Columns of the first table of its answer.
@@ -91,6 +93,8 @@ pub trait Ask: Sync {
     fn keys(&self) -> Vec<Described>;
     /// More about it in paragraphs.
     fn more(&self) -> &'static str;
+    /// A question that is right, in few words.
+    fn right(&self) -> Vec<Entry>;
     /// Sources of its methods.
     fn source(&self) -> &'static str;
     /// Whether the answer has a row for each channel or element of values that vary.
@@ -134,6 +138,10 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
 
     fn more(&self) -> &'static str {
         self.more
+    }
+
+    fn right(&self) -> Vec<Entry> {
+        (self.right)()
     }
 
     fn source(&self) -> &'static str {

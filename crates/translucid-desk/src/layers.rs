@@ -13,7 +13,7 @@ use translucid_reference::layers::{Ground, Layer, Layers};
 use translucid_reference::walk::{Control as WalkControl, PhaseFunction};
 use translucid_words::{
     Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Item, Parse, Place, Placed,
-    Provenance, Questions, Rule, Table, Thing, Varied, Word, document, exact, field, number, numbers,
+    Provenance, Questions, Rule, Table, Thing, Value, Varied, Word, document, exact, field, number, numbers,
     optional, optional_word, parsed, table, things, varied, word,
 };
 
@@ -162,7 +162,7 @@ const GROUNDS: Thing<Grounds, Questions> = Thing {
         field!(Grounds { black } => varied(black, Interval::UNIT), "reflectance of the black ground, {range}", Words("0")),
         field!(Grounds { white } => varied(white, Interval::UNIT), "reflectance of the white ground, {range}", Words("1")),
         field!(Grounds { contact } => word(contact, &[("optical", false), ("air", true)]),
-            "contact of the layers with the grounds: {words}", Plain),
+            "contact of the layers with the grounds", Plain),
     ],
     rules: &[],
 };
@@ -363,7 +363,7 @@ pub static LAYERS: Question<AskedLayers> = Question {
         fields: &[
             field!(AskedLayers { layers } => document(layers, &LAYERS_FILE), "layers, or the TOML file of them", Required),
             field!(AskedLayers { configuration } => optional_word(configuration, Configuration::WORDS),
-                "how light arrives: {words}", Words("searchlight along the normal")),
+                "how light arrives", Words("searchlight along the normal")),
             field!(AskedLayers { incidence_angle } => optional(incidence_angle, Interval::below(0.0, 90.0)),
                 "angle of a beam above, in degrees from the normal, {range}", Words("none")),
             field!(AskedLayers { tolerance } => optional(tolerance, Interval::closed(1e-12, 0.1)),
@@ -377,11 +377,26 @@ pub static LAYERS: Question<AskedLayers> = Question {
     more: "Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered light only, around a beam along the normal.",
     source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",
     is_by_element: true,
+    right: right_layers,
     examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
     columns: &TOTALS,
     has_text: false,
     answer,
 };
+
+/// A layer on a ground, under a medium.
+pub(crate) fn right_layers() -> Vec<Entry> {
+    let layer = [("thickness", 1.0), ("scattering", 2.0), ("absorption", 0.5)];
+    let table = |keys: &[(&str, f64)]| -> Value {
+        keys.iter().map(|(key, number)| Entry::new(key, *number)).collect::<Vec<Entry>>().into()
+    };
+    let document = vec![
+        Entry::new("above", table(&[("eta", 1.0)])),
+        Entry::new("layer", vec![table(&layer)]),
+        Entry::new("below", table(&[("reflectance", 0.5)])),
+    ];
+    vec![Entry::new("layers", document)]
+}
 
 /// Columns of totals: before and after those of each layer.
 static TOTALS: [Column; 7] = [

@@ -13,6 +13,8 @@ mod layers;
 mod phase_function;
 mod spectra;
 mod stack;
+#[doc(hidden)]
+pub mod wrong;
 
 pub use answer::{Answer, Ask, Control, NamedFile, Prepared, Question, Unanswered};
 #[cfg(not(target_family = "wasm"))]

@@ -13,7 +13,7 @@ use translucid_words::{
 };
 
 use crate::answer::{Answer, Control, NamedFile, Question, Unanswered};
-use crate::layers::{Builder, LAYERS_FILE, LayersKeys};
+use crate::layers::{Builder, LAYERS_FILE, LayersKeys, right_layers};
 
 use Fallback::{Plain, Required};
 
@@ -57,6 +57,7 @@ pub static STACK: Question<AskedStack> = Question {
     more: "The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the reflectances of black and white.\n\nEverything is what an instrument of the geometry d:8 measures: light from everywhere, viewed at 8 degrees.",
     source: "Layers as in layers; colors by CIE 15:2018; G. Sharma, W. Wu and E. N. Dalal 2005, The CIEDE2000 color-difference formula; P. Kubelka and F. Munk 1931; J. L. Saunderson 1942.",
     is_by_element: false,
+    right: right_layers,
     examples: &[
         "tooth.toml",
         "tooth.toml --format text --specular excluded",
@@ -271,7 +272,7 @@ fn name<T: Copy + PartialEq>(words: &[(&'static str, T)], value: T) -> &'static 
 
 /// The name of the file that the layers are in.
 fn title(context: &Context) -> String {
-    let name = context.files.last().and_then(|path| path.file_name());
+    let name = context.files.first().and_then(|path| path.file_name());
     name.map_or_else(|| String::from("layers"), |name| name.to_string_lossy().into_owned())
 }
 

@@ -296,7 +296,7 @@ impl<'a> Item<'a> {
     pub fn refuse(&self, must_be: &str) -> Error {
         let found = match self.source.text.get(self.value.span.clone()) {
             Some(written) if !written.is_empty() => shown(written),
-            _ => shown(&self.value.to_string()),
+            _ => shown(&format!("{:#}", self.value)),
         };
         self.error(format!("{} is {found}, but must be {must_be}", self.path))
     }

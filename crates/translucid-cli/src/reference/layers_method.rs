@@ -44,7 +44,12 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
         stated("tolerance", arguments.tolerance.map(Value::from)),
         stated("r", (!radii.is_empty()).then(|| Content::Numbers(radii.into()).into())),
     ];
-    let answer = ask(&LAYERS, &entries.into_iter().flatten().collect::<Vec<_>>())?;
+    let answer =
+        ask(&LAYERS, &entries.into_iter().flatten().collect::<Vec<_>>()).map_err(|failure| Failure {
+            // The radii are those of --at, or of --points and --max
+            message: failure.message.replace("--r ", "the radii "),
+            ..failure
+        })?;
     let table = &answer.tables[0];
     if arguments.radii.count() == 0 {
         // A row for each part

@@ -1,0 +1,122 @@
+//! Wrong questions, made from the descriptions: every door must refuse each of them, by the key, what was found and what is
+//! allowed.
+
+use translucid_words::{Described, Entry, Kind, Value};
+
+use crate::Ask;
+
+/// A question that is right but for one value.
+#[derive(Clone, Debug)]
+pub struct Wrong {
+    /// All that is said.
+    pub said: Vec<Entry>,
+    /// The key whose value is wrong.
+    pub key: &'static str,
+    /// Whether that is a key of the question itself, not of a table in it.
+    pub is_outermost: bool,
+    /// Its value.
+    pub value: Value,
+}
+
+/// Every wrong question of a question.
+pub fn wrong(question: &dyn Ask) -> Vec<Wrong> {
+    let right = question.right();
+    let mut all = Vec::new();
+    change(&question.keys(), &right, &mut |said, key, is_outermost, value| {
+        all.push(Wrong { said, key, is_outermost, value });
+    });
+    all
+}
+
+/// Entries with a wrong value, its key, whether it is an outermost one, and the value.
+type Found<'a> = dyn FnMut(Vec<Entry>, &'static str, bool, Value) + 'a;
+
+fn change(keys: &[Described], right: &[Entry], found: &mut Found<'_>) {
+    for key in keys {
+        for value in values(&key.kind) {
+            found(with(right, key.name, value.clone()), key.name, true, value);
+        }
+        let (Kind::Document(inner) | Kind::Table(inner) | Kind::Tables(inner, _)) = &key.kind else {
+            continue;
+        };
+        let stated = right.iter().find(|entry| entry.key == key.name).map(|entry| &entry.value);
+        // A table of its own, or the first of several
+        let first = match stated.map(|value| &value.content) {
+            Some(translucid_words::Content::Table(entries)) => entries.clone(),
+            Some(translucid_words::Content::List(list)) => match list.first().map(|value| &value.content) {
+                Some(translucid_words::Content::Table(entries)) => entries.clone(),
+                _ => continue,
+            },
+            _ => continue,
+        };
+        change(inner, &first, &mut |entries, name, _, value| {
+            let table = Value::from(entries);
+            let nested = if let Kind::Tables(..) = key.kind { Value::from(vec![table]) } else { table };
+            found(with(right, key.name, nested), name, false, value);
+        });
+    }
+}
+
+/// Entries with another value of a key.
+fn with(entries: &[Entry], key: &str, value: Value) -> Vec<Entry> {
+    let others = entries.iter().filter(|entry| entry.key != key).cloned();
+    others.chain([Entry::new(key, value)]).collect()
+}
+
+/// Values that a kind does not allow.
+fn values(kind: &Kind) -> Vec<Value> {
+    let word = || Value::from("no such word");
+    match kind {
+        Kind::Flag => vec![1.0.into(), word()],
+        Kind::Whole(range) => {
+            let low = range.low.checked_sub(1).map(Value::from);
+            let high = range.high.checked_add(1).map(Value::from);
+            low.into_iter().chain(high).chain([0.5.into(), (-1.0).into(), f64::NAN.into(), word()]).collect()
+        }
+        Kind::Number(range) => {
+            let outside = range.outside().into_iter().map(Value::from);
+            outside.chain([word(), true.into(), Value::list(&[0.5, 0.5])]).collect()
+        }
+        Kind::Varied(range) => range.outside().into_iter().map(Value::from).chain([true.into()]).collect(),
+        Kind::Numbers(range, [least, most]) => {
+            let outside = range.outside().into_iter().map(|x| Value::list(&[x]));
+            let few = (*least > 0).then(|| Value::from(Vec::<Value>::new()));
+            let inside = range.low.max(-1e9).midpoint(range.high.min(1e9));
+            let many = (*most < 1000).then(|| Value::list(&vec![inside; most + 1]));
+            outside.chain(few).chain(many).chain([word()]).collect()
+        }
+        Kind::Word(_) | Kind::Words(_) => vec![word(), 7.5.into()],
+        Kind::Text(_) | Kind::Texts(_) | Kind::Path => vec![true.into()],
+        Kind::Document(_) | Kind::Table(_) | Kind::Tables(..) => vec![1.5.into(), true.into()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_words::{Provenance, Spelling};
+
+    use super::*;
+    use crate::QUESTIONS;
+
+    #[test]
+    fn right_questions_are_read_and_wrong_ones_refused_by_name() {
+        for question in QUESTIONS {
+            for spelling in [Spelling::Keys, Spelling::Flags, Spelling::Camel] {
+                let source = Provenance::part("").of("the question").spelled(spelling);
+                let read = |said: &[Entry]| question.read(&source, said).map(drop);
+                assert_eq!(read(&question.right()).err(), None, "{}", question.name());
+                for wrong in wrong(question) {
+                    let Err(error) = read(&wrong.said) else {
+                        panic!("{}: {} may be {}", question.name(), wrong.key, wrong.value)
+                    };
+                    let own = if wrong.is_outermost { spelling } else { Spelling::Keys };
+                    let key =
+                        if spelling == Spelling::Camel { spelling.of(wrong.key) } else { own.of(wrong.key) };
+                    let message = error.message;
+                    assert!(message.contains(&key), "{key}: {message}");
+                    assert!(message.contains("must") || message.contains("need"), "{key}: {message}");
+                }
+            }
+        }
+    }
+}
