@@ -380,7 +380,7 @@ fn one_of(table: &Table<'_>, groups: &[&[&'static str]]) -> Result<(), Error> {
     let first = |group: &&[&'static str]| group.iter().find_map(|key| table.get(key));
     let mut given = groups.iter().filter_map(|group| Some((group, first(group)?)));
     let list =
-        |keys: &&[&'static str]| keys.iter().map(|key| table.path_of(key)).collect::<Vec<_>>().join(" and ");
+        |keys: &&[&'static str]| keys.iter().map(|key| table.name_of(key)).collect::<Vec<_>>().join(" and ");
     match (given.next(), given.next()) {
         (Some((_, one)), Some((_, other))) => Err(beside(&one, &other)),
         (Some((group, one)), None) => match group.iter().find(|key| table.get(key).is_none()) {

@@ -66,7 +66,7 @@ fn profile_is_that_of_the_library() {
 fn faults_are_named() {
     let layer = "[[layer]]\nscattering = 1\nabsorption = 0.1\n";
     for (text, options, expected) in [
-        ("", "", "number of layers is 0, but must be in [1, 1000]"),
+        ("", "", "a file of layers needs the key layer"),
         ("[[layer]]\nthicknes = 1\n", "", "layer[0] has no key thicknes"),
         ("[[layr]]\nthickness = 1\n", "", "a file of layers has no key layr"),
         (
@@ -74,13 +74,11 @@ fn faults_are_named() {
             "",
             "layer[0] needs scattering and absorption, or surface_albedo and mfp",
         ),
-        (&format!("{layer}thickness = 0\n"), "", "layer[0].thickness is 0, but must be in [1e-30, 1e30]"),
-        (&format!("{layer}g = 1\n"), "", "layer[0].g is 1, but must be in (-1, 1)"),
-        (&format!("{layer}g = 0.5\nmoments = [0.5]\n"), "", "beside g, but one of them is enough"),
+        (&format!("{layer}g = 0.5\nmoments = [0.5]\n"), "", "layer[0].g and layer[0].moments are given"),
         (
             &format!("{layer}phase_function = \"rayleigh\"\nmoments = [0.5]\n"),
             "",
-            "beside phase_function, but one",
+            "layer[0].moments and layer[0].phase_function are given",
         ),
         (&format!("{layer}phase_function = \"mie\"\n"), "", "moments:X1,X2"),
         (&format!("{layer}phase_function = \"none.csv\"\n"), "", "none.csv"),
@@ -92,7 +90,7 @@ fn faults_are_named() {
             "layer[0]: thickness is inf, but must be finite in all layers but the last",
         ),
         (&format!("{layer}[below]\neta = 1\n"), "", "thickness is inf, but must be finite above a ground"),
-        (&format!("{layer}thickness = 1\n[below]\n"), "", "below needs one of the keys"),
+        (&format!("{layer}thickness = 1\n[below]\n"), "", "below needs eta, or reflectance"),
         (layer, "--method monte-carlo --at 1", "prints totals"),
         (layer, "--method monte-carlo --photons 0..9", "is a range"),
         (layer, "--method monte-carlo --photons 0", "photons is 0"),
@@ -112,7 +110,7 @@ fn faults_are_named() {
         (layer, "--method monte-carlo --absorption x", "--absorption is x, but must be 1 numbers"),
         (layer, "--method monte-carlo --absorption -1", "absorption is -1, but must be in [0, 1e30]"),
         (layer, "--tolerance 0.5", "tolerance is 0.5, but must be in [1e-12, 0.1]"),
-        (layer, "--tolerance nan --at 1", "tolerance is NaN, but must be in [1e-4, 0.1]"),
+        (layer, "--tolerance nan --at 1", "tolerance is nan, but must be in [1e-12, 0.1]"),
         (layer, "--method monte-carlo --tolerance 0.1", "--tolerance belongs to the exact solution"),
         ("[[layer]\n", "", "this is not valid TOML"),
     ] {
