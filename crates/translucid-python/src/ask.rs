@@ -50,9 +50,10 @@ impl<'py> Said<'py> {
         &self.entries
     }
 
-    /// The shape to which all arrays broadcast.
-    pub(crate) fn shape(&self) -> &[usize] {
-        &self.shape
+    /// The first argument that is an array, and its shape.
+    pub(crate) fn first_array(&self) -> Option<(&str, &[usize])> {
+        let array = self.arrays.iter().find(|(_, numbers)| !numbers.shape().is_empty());
+        array.map(|(name, numbers)| (name.as_str(), numbers.shape()))
     }
 
     /// Numbers in the shape and precision of the arguments, with more axes behind.
@@ -107,6 +108,8 @@ impl<'py> Said<'py> {
                 self.arrays.push((name.to_owned(), numbers));
                 Ok(Object { name: name.to_owned(), data: place }.into())
             }
+            // A word may be one of digits
+            Some(Kind::Word(_)) if value.is_instance_of::<PyInt>() => Ok(value.str()?.to_str()?.into()),
             _ => plain(name, value),
         }
     }

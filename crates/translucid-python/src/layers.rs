@@ -37,6 +37,9 @@ const RENAMED: [(&str, &str); 4] = [
 
 /// Layers and what is around them, as a file states them.
 fn document<'py>(py: Python<'py>, layers: &Any<'py>, ends: &Ends<'_, 'py>) -> PyResult<Any<'py>> {
+    if ends.eta_above.or(ends.eta_below).or(ends.ground_reflectance).is_none() {
+        return Ok(layers.clone());
+    }
     let document = PyDict::new(py);
     document.set_item("layer", layers)?;
     let [above, below] = [PyDict::new(py), PyDict::new(py)];
@@ -100,7 +103,7 @@ fn named<'py>(py: Python<'py>, class: &str, fields: Vec<Any<'py>>) -> PyResult<A
 ///     How light arrives: as a beam along the normal by default, from all directions, or with an `incidence_angle` as a
 ///     tilted beam.
 /// incidence_angle : float, optional
-///     Angle of a beam above, in degrees from the normal, in [0, 89.99].
+///     Angle of a beam above, in degrees from the normal, in [0, 90).
 /// tolerance : float, default 1e-6
 ///     Error below which no finer rule is tried, in [1e-12, 0.1]: many layers of many indices of refraction take minutes to
 ///     1e-6, and a third of that or less to 0.01.
@@ -118,9 +121,9 @@ fn named<'py>(py: Python<'py>, class: &str, fields: Vec<Any<'py>>) -> PyResult<A
 /// Raises
 /// ------
 /// ValueError
-///     If a parameter is outside its range, or shapes do not broadcast.
+///     If a layer lacks a key, a parameter is outside its range, or shapes do not broadcast.
 /// TypeError
-///     If a layer lacks a key, or an argument is no number.
+///     If an argument is no number.
 ///
 /// Notes
 /// -----
@@ -183,7 +186,7 @@ pub(crate) fn layers<'py>(
 /// Parameters
 /// ----------
 /// r : array_like
-///     Distances from the beam, greater than 0, in the unit of the layers' thickness.
+///     Distances from the beam, at least 0, in the unit of the layers' thickness.
 /// layers : list of dict
 ///     Layers from top to bottom, as in `layers`.
 /// eta_above, eta_below, ground_reflectance : array_like, optional
@@ -206,9 +209,9 @@ pub(crate) fn layers<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a parameter is outside its range, layers have no exact profile, or shapes do not broadcast.
+///     If a layer lacks a key, a parameter is outside its range, layers have no exact profile, or shapes do not broadcast.
 /// TypeError
-///     If a layer lacks a key, or an argument is no number.
+///     If an argument is no number.
 ///
 /// Examples
 /// --------
@@ -260,7 +263,7 @@ pub(crate) fn layers_profile<'py>(
 /// configuration : {"searchlight", "diffuse"}, optional
 ///     How light arrives, as in `layers`.
 /// incidence_angle : float, optional
-///     Angle of a beam above, in degrees from the normal, in [0, 89.99].
+///     Angle of a beam above, in degrees from the normal, in [0, 90).
 /// seed : int, default 0
 ///     Same seed, same bits, for any number of threads.
 /// threads : int, optional
@@ -278,9 +281,9 @@ pub(crate) fn layers_profile<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a parameter is outside its range, or moments make a phase function negative at some angle.
+///     If a layer lacks a key, a parameter is outside its range, or moments make a phase function negative at some angle.
 /// TypeError
-///     If a layer lacks a key, or an argument is no number.
+///     If an argument is no number, or an array.
 ///
 /// Notes
 /// -----
@@ -323,11 +326,9 @@ pub(crate) fn layers_walk<'py>(
     let ends = Ends { eta_above, eta_below, ground_reflectance };
     let arguments = [("layers", document(py, layers, &ends)?)];
     let said = Said::new(&LAYERS.keys(), &arguments)?;
-    if !said.shape().is_empty() {
-        let shape = said.shape();
-        return Err(PyTypeError::new_err(format!(
-            "numbers of layers must be one each for a walk, but there are arrays of shape {shape:?}"
-        )));
+    if let Some((name, shape)) = said.first_array() {
+        let message = format!("{name} must be one number for a walk, but is an array of shape {shape:?}");
+        return Err(PyTypeError::new_err(message));
     }
     let layers = stated_layers(&Provenance::part(""), said.entries()).map_err(|error| {
         let message = RENAMED.iter().fold(error.message, |text, (path, name)| text.replace(path, name));
