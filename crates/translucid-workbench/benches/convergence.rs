@@ -1,7 +1,7 @@
 //! Error against CPU time on the head and the dragon of `scenes/`.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench convergence [-- --curve --write | head dragon --reference-samples 1024 --model random-walk --alone]
+//! cargo bench -p translucid-workbench --bench convergence [-- --curve --write | head dragon --reference-samples 1024 --model random-walk --alone]
 //! ```
 //!
 //! Prints, for 1, 4, 16 and 64 samples per pixel, CPU seconds, CPU seconds per sample per pixel of the
@@ -156,7 +156,7 @@ fn curve(is_to_write: bool) {
     }
     println!("{table}");
     if is_to_write {
-        let command = "cargo bench -p translucid-benches --bench convergence -- --curve --write";
+        let command = "cargo bench -p translucid-workbench --bench convergence -- --curve --write";
         write_measured("docs/speed/noise.md", command, &table);
     }
 }

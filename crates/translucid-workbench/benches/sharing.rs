@@ -1,7 +1,7 @@
 //! Worth and cost of sharing light between the pixels of a block.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench sharing [-- CASE…] [--write]
+//! cargo bench -p translucid-workbench --bench sharing [-- CASE…] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/how-fast.md`, which explains its columns; `--write` puts it there.
@@ -57,7 +57,7 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--write") {
         write_measured(
             "docs/speed/how-fast.md",
-            "cargo bench -p translucid-benches --bench sharing -- --write",
+            "cargo bench -p translucid-workbench --bench sharing -- --write",
             &table,
         );
     }

@@ -2,7 +2,7 @@
 //! at every point.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench lights
+//! cargo bench -p translucid-workbench --bench lights
 //!     [-- --lights 1,10,100 --samples 16 --seeds 4 --reference-samples 512 --write]
 //! ```
 //!
@@ -74,7 +74,7 @@ fn main() {
     });
     if options.write {
         let command = format!(
-            "cargo bench -p translucid-benches --bench lights -- --seeds {} --reference-samples {} --write",
+            "cargo bench -p translucid-workbench --bench lights -- --seeds {} --reference-samples {} --write",
             options.seeds, options.reference_samples
         );
         write_measured("docs/speed/many-lights.md", &command, &pictures);

@@ -1,7 +1,7 @@
 //! The total error, bias and noise, of profiles and of walks at equal CPU time: which model pictures should have by default.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
+//! cargo bench -p translucid-workbench --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
 //! ```
 //!
 //! Prints each walk's total error over those of the profiles, and all that they are made of; `--write` puts the table that
@@ -80,7 +80,7 @@ fn main() {
         let of_eta = eta.map_or(String::new(), |eta| format!("--eta {eta} "));
         write_measured(
             "docs/accuracy/total-error.md",
-            &format!("cargo bench -p translucid-benches --bench total_error -- {of_eta}--write"),
+            &format!("cargo bench -p translucid-workbench --bench total_error -- {of_eta}--write"),
             if eta.is_some() { &tables[2] } else { &tables[0] },
         );
     }

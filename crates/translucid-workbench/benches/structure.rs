@@ -1,7 +1,7 @@
 //! How the noise of shared light looks: steps at the borders of blocks, correlation, and the means of regions.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
+//! cargo bench -p translucid-workbench --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/noise.md`, which explains its columns; `--samples 1 --write` puts it there.
@@ -72,7 +72,7 @@ fn main() {
     println!("{table}");
     if arguments.iter().any(|argument| argument == "--write") {
         let count = samples.map_or_else(String::new, |count| format!("--samples {count} "));
-        let command = format!("cargo bench -p translucid-benches --bench structure -- {count}--write");
+        let command = format!("cargo bench -p translucid-workbench --bench structure -- {count}--write");
         write_measured("docs/speed/noise.md", &command, &table);
     }
 }

@@ -1,7 +1,7 @@
 //! Time and memory of a mesh of ten million triangles, from a PLY file to a picture.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench huge_mesh [-- --triangles 10000000]
+//! cargo bench -p translucid-workbench --bench huge_mesh [-- --triangles 10000000]
 //! ```
 //!
 //! The mesh is a ring with bumps, written to a temporary file that is removed in the end, triangles in rows as a scanner

@@ -1,7 +1,7 @@
 //! Growth of a picture's cost with its triangles, with the mean free path and with the threads.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
+//! cargo bench -p translucid-workbench --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
 //! ```
 //!
 //! Prints the tables of `docs/speed/scaling.md`, which explains their columns; `--write` puts them there.
@@ -40,7 +40,7 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--write") {
         write_measured(
             "docs/speed/scaling.md",
-            "cargo bench -p translucid-benches --bench scaling -- --write",
+            "cargo bench -p translucid-workbench --bench scaling -- --write",
             &tables,
         );
     }

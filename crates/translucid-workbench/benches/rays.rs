@@ -1,8 +1,8 @@
 //! Rays per CPU second on the dragon, single-threaded.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench rays [-- dragon_198k dragon_870k --rays 400000 --write FOLDER]
-//! cargo bench -p translucid-benches --bench rays -- dragon_198k --serve
+//! cargo bench -p translucid-workbench --bench rays [-- dragon_198k dragon_870k --rays 400000 --write FOLDER]
+//! cargo bench -p translucid-workbench --bench rays -- dragon_198k --serve
 //! ```
 //!
 //! The kinds are those of a path tracer with subsurface scattering:

@@ -1,7 +1,7 @@
 //! Time from nothing to the first pixels, stage by stage.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
+//! cargo bench -p translucid-workbench --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
 //! ```
 //!
 //! For the built-in still life, a thousand spheres, a hundred busts and, where the scans are there (`docs/inside/scans.md`), for the

@@ -1,7 +1,7 @@
 //! How point-based subsurface scattering converges to the ray-traced, and what it costs.
 //!
 //! ```text
-//! cargo run --release -p translucid-benches --example point_based [-- bust still-life head --size 24 --reference 16384]
+//! cargo run --release -p translucid-workbench --example point_based [-- bust still-life head --size 24 --reference 16384]
 //! ```
 //!
 //! Prints a table for each scene and model: number of points, CPU seconds of both passes and of the picture, and
