@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use translucid_load::{LoadOptions, load_scene};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
@@ -98,7 +98,7 @@ fn run(case: &Case, scene: &Scene, reference_samples: u32) {
 fn render(renderer: &PreparedScene, width: u32, height: u32, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(width, height);
     let start = cpu_seconds();
-    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 
@@ -183,7 +183,7 @@ impl Curve {
             let prepared = PreparedScene::new(scene).expect("a valid scene");
             let mut film = FilmSums::new(CURVE_SIZE, CURVE_SIZE);
             let grown = (0..CURVE_STEPS).map(|step| {
-                measure::add_samples(&prepared, &mut film, samples_at(step)).expect("a valid view");
+                internals::add_samples(&prepared, &mut film, samples_at(step)).expect("a valid view");
                 film.clone()
             });
             grown.collect::<Vec<_>>()

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
-use translucid_render::measure::sample_ray;
+use translucid_render::internals::sample_ray;
 use translucid_render::{Edit, PreparedScene, View};
 use translucid_scene::{Camera, Material, Projection, Scene, SubsurfaceModel};
 use translucid_testing::asset;

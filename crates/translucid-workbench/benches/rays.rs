@@ -34,7 +34,7 @@ use std::time::Instant;
 use glam::Vec3;
 use translucid_load::load_ply;
 use translucid_profile::NormalizedDiffusion;
-use translucid_render::measure::Frame;
+use translucid_render::internals::Frame;
 use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
 use translucid_scene::{Mesh, Object};
 use translucid_testing::{SplitMix, asset, thread_cpu_seconds};

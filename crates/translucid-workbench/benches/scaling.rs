@@ -15,7 +15,7 @@ mod common;
 use std::fmt::Write;
 use std::time::Instant;
 
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_scene::Scene;
 use translucid_testing::{cpu_seconds, write_measured};
 
@@ -155,7 +155,7 @@ impl Measured {
 
 fn picture(renderer: &PreparedScene, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(SIZE, SIZE);
-    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut film, samples).expect("a valid view");
     film
 }
 

@@ -15,7 +15,7 @@ use std::fmt::Write;
 use common::{bumpy_ball, scene};
 use glam::Vec3;
 use translucid_profile::Model;
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{ColorInput, Light, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::write_measured;
 
@@ -111,7 +111,7 @@ fn picture(scene: &Scene, shares: bool, seed: u64, samples: u32) -> FilmSums {
     scene.integrator.subsurface_sharing = shares;
     let prepared = PreparedScene::new(scene).expect("a valid scene");
     let mut film = FilmSums::new(SIZE, SIZE);
-    measure::add_samples(&prepared, &mut film, samples).expect("a valid view");
+    internals::add_samples(&prepared, &mut film, samples).expect("a valid view");
     film
 }
 

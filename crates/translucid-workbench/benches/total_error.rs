@@ -26,7 +26,7 @@ use std::path::Path;
 
 use translucid_load::{LoadOptions, SceneFile, load_scene, still_life};
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{Integrator, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
@@ -264,7 +264,8 @@ impl Findings {
             for (pair, renderers) in pairs.iter_mut().zip(&renderers) {
                 let start = cpu_seconds();
                 for (film, renderer) in pair.films.iter_mut().zip(renderers) {
-                    measure::add_samples(renderer, film, (samples * part).div_ceil(4)).expect("a valid view");
+                    internals::add_samples(renderer, film, (samples * part).div_ceil(4))
+                        .expect("a valid view");
                 }
                 pair.seconds += cpu_seconds() - start;
             }
