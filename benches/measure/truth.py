@@ -17,7 +17,7 @@ from shapes import diffuse_albedo
 import mitsuba as mi
 import numpy as np
 
-DATA = ROOT / "crates" / "translucid-benches" / "tests" / "data"
+DATA = ROOT / "crates" / "translucid-workbench" / "tests" / "data"
 # Sixteenths of a picture
 ACROSS = 4
 

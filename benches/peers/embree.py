@@ -108,7 +108,7 @@ class Translucid:
     """The bench `rays` as a server."""
 
     def __init__(self, mesh, folder, rays):
-        command = ["cargo", "bench", "--quiet", "-p", "translucid-benches", "--bench", "rays", "--"]
+        command = ["cargo", "bench", "--quiet", "-p", "translucid-workbench", "--bench", "rays", "--"]
         command += [mesh, "--write", folder, "--rays", str(rays), "--serve"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(list(map(str, command)), cwd=ROOT, stdin=pipe, stdout=pipe, text=True)

@@ -74,7 +74,7 @@ def convert(
     thin_eta: float = 1.0,
     **parameters,
 ) -> Conversion:
-    """Say a material in the numbers of other renderers and engines.
+    """Convert a material to the numbers of other renderers and engines.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def convert(
         System that the material comes from, such as "renderman", "cycles-burley", "arnold", "unreal", "pbrt" or
         "translucid"; `convert.systems()` lists all with their parameters.
     surface_albedo : float or array_like of shape (3,), optional
-        Surface albedo as the system is told it, in [0, 1]; not for a system whose coefficients determine it.
+        Surface albedo as one enters it in the source system, in [0, 1]; not for a system whose coefficients determine it.
     unit, to_unit : {"mm", "cm", "m"}, default "mm"
         Unit of lengths in the scene that the material comes from, and in that it goes to, for systems without a unit of
         their own; the second is that of the first by default.
@@ -104,7 +104,7 @@ def convert(
         Mean cosine of the slab's phase function, in [-0.95, 0.95], and its index of refraction, in [1, 3].
     **parameters
         Parameters of the source system by its own names, each a number or three for red, green and blue. A length or color
-        that is not given counts as 1, other factors as what the system has.
+        that is not given is 1, another factor the system's default.
 
     Returns
     -------

@@ -105,7 +105,7 @@ typedef struct {
   const TranslucidSetting *from;
   // Number of those parameters.
   size_t from_count;
-  // Surface albedo as the system is told it, in [0, 1].
+  // Surface albedo as one enters it in the source system, in [0, 1].
   double surface_albedo[3];
   // How many numbers, 1 or 3; 0 for a system whose coefficients determine it.
   size_t surface_albedo_count;

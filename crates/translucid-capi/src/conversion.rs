@@ -33,7 +33,7 @@ pub struct TranslucidConversion {
     pub from: *const TranslucidSetting,
     /// Number of those parameters.
     pub from_count: usize,
-    /// Surface albedo as the system is told it, in [0, 1].
+    /// Surface albedo as one enters it in the source system, in [0, 1].
     pub surface_albedo: [f64; 3],
     /// How many numbers, 1 or 3; 0 for a system whose coefficients determine it.
     pub surface_albedo_count: usize,

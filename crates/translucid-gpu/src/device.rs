@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use translucid_reference::walk::{Device, DeviceTally, DeviceWalk};
 
 use crate::description::DeviceDescription;
-use crate::law::Law;
+use crate::walk_numbers::WalkNumbers;
 
 /// The shaders, in the order in which they read best.
 pub(crate) const SHADERS: [&str; 8] = [
@@ -227,10 +227,10 @@ impl Device for Gpu {
         stops: &dyn Fn() -> bool,
         progress: &dyn Fn(u64),
     ) -> Result<DeviceTally, String> {
-        let law = Law::new(walk)?;
+        let numbers = WalkNumbers::new(walk)?;
         let slots = u64::from(self.slots).min(photons.end - photons.start).max(1) as u32;
-        let work = Work::new(self, &law, slots)?;
-        let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
+        let work = Work::new(self, &numbers, slots)?;
+        let mut tally = DeviceTally { exits: vec![(0, 0); numbers.bins.cells()], ..DeviceTally::default() };
         let mut first = photons.start;
         // The first batch launches photons in any case: to compile shaders may have taken all the time there was
         while first < photons.end && (first == photons.start || !stops()) {
@@ -248,7 +248,7 @@ impl Device for Gpu {
 /// Buffers and pipeline of a walk.
 struct Work<'a> {
     gpu: &'a Gpu,
-    law: &'a Law,
+    numbers: &'a WalkNumbers,
     slots: u32,
     pipeline: wgpu::ComputePipeline,
     bindings: wgpu::BindGroup,
@@ -279,7 +279,7 @@ impl Counters {
 }
 
 impl<'a> Work<'a> {
-    fn new(gpu: &'a Gpu, law: &'a Law, slots: u32) -> Result<Self, String> {
+    fn new(gpu: &'a Gpu, numbers: &'a WalkNumbers, slots: u32) -> Result<Self, String> {
         use wgpu::BufferUsages as Usage;
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -287,9 +287,9 @@ impl<'a> Work<'a> {
             source: wgpu::ShaderSource::Wgsl(SHADERS.concat().into()),
         });
         let constants = [
-            ("phase_function", f64::from(law.phase_function)),
-            ("incidence", f64::from(law.incidence)),
-            ("matched", f64::from(law.matched)),
+            ("phase_function", f64::from(numbers.phase_function)),
+            ("incidence", f64::from(numbers.incidence)),
+            ("matched", f64::from(numbers.matched)),
             ("group_size", f64::from(gpu.group)),
         ];
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -305,17 +305,18 @@ impl<'a> Work<'a> {
         });
         gpu.check()?;
 
-        let words = law.settings(0, 0, slots, 0);
+        let words = numbers.settings(0, 0, slots, 0);
         let settings = gpu.buffer(4 * words.len() as u64, Usage::UNIFORM | Usage::COPY_DST);
         // A buffer is never empty
-        let bounds = gpu.buffer(4 * law.bins.bounds.len().max(1) as u64, Usage::STORAGE | Usage::COPY_DST);
+        let bounds =
+            gpu.buffer(4 * numbers.bins.bounds.len().max(1) as u64, Usage::STORAGE | Usage::COPY_DST);
         let photons = gpu.buffer(4 * SLOT_WORDS * u64::from(slots), Usage::STORAGE | Usage::COPY_DST);
         let counters = gpu.buffer(Counters::BYTES, Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC);
-        let bytes = 4 * (CELL_WORDS * law.bins.cells()) as u64;
+        let bytes = 4 * (CELL_WORDS * numbers.bins.cells()) as u64;
         let cells = gpu.buffer(bytes, Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC);
         let counters_read = gpu.buffer(Counters::BYTES, Usage::MAP_READ | Usage::COPY_DST);
         let cells_read = gpu.buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
-        gpu.queue.write_buffer(&bounds, 0, bytemuck::cast_slice(&law.bins.bounds));
+        gpu.queue.write_buffer(&bounds, 0, bytemuck::cast_slice(&numbers.bins.bounds));
         let entries = [&settings, &bounds, &photons, &counters, &cells];
         let entries: Vec<_> = (0..)
             .zip(entries)
@@ -329,7 +330,7 @@ impl<'a> Work<'a> {
         gpu.check()?;
         Ok(Self {
             gpu,
-            law,
+            numbers,
             slots,
             pipeline,
             bindings,
@@ -390,7 +391,7 @@ impl<'a> Work<'a> {
     /// One dispatch.
     fn step(&self, first: u64, photons: u32, steps: u32) -> Result<Counters, String> {
         let gpu = self.gpu;
-        let words = self.law.settings(first, photons, self.slots, steps);
+        let words = self.numbers.settings(first, photons, self.slots, steps);
         gpu.queue.write_buffer(&self.settings, 0, bytemuck::cast_slice(&words));
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

@@ -23,8 +23,6 @@ mod choice;
 mod description;
 #[cfg(feature = "device")]
 mod device;
-#[cfg(any(test, feature = "device"))]
-mod law;
 #[cfg(feature = "device")]
 mod picture;
 pub mod program;
@@ -32,6 +30,8 @@ pub mod program;
 mod translation_tests;
 #[cfg(test)]
 mod twin;
+#[cfg(any(test, feature = "device"))]
+mod walk_numbers;
 
 #[cfg(not(target_family = "wasm"))]
 pub use choice::{Choice, devices};

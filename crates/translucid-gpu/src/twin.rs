@@ -7,8 +7,9 @@ use std::ops::Range;
 
 use translucid_reference::walk::{Device, DeviceTally, DeviceWalk};
 
-use super::law::{
-    self, COSINE_MATCHED, COSINE_RARER, HENYEY_GREENSTEIN, ISOTROPIC, Interface, Law, PENCIL, UNIFORM_COSINE,
+use super::walk_numbers::{
+    self, COSINE_MATCHED, COSINE_RARER, HENYEY_GREENSTEIN, ISOTROPIC, Interface, PENCIL, UNIFORM_COSINE,
+    WalkNumbers,
 };
 
 /// Walks photons one after the other.
@@ -22,10 +23,10 @@ impl Device for Twin {
         _: &dyn Fn() -> bool,
         _: &dyn Fn(u64),
     ) -> Result<DeviceTally, String> {
-        let law = Law::new(walk)?;
-        let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
+        let numbers = WalkNumbers::new(walk)?;
+        let mut tally = DeviceTally { exits: vec![(0, 0); numbers.bins.cells()], ..DeviceTally::default() };
         for index in photons {
-            law.walk_one(index, &mut tally);
+            numbers.walk_one(index, &mut tally);
         }
         Ok(tally)
     }
@@ -158,7 +159,7 @@ fn turned(u: [f32; 3], [cosine, sine]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 3] {
     v.map(|component| component * shrink)
 }
 
-impl Law {
+impl WalkNumbers {
     fn henyey_greenstein(&self, xi: f32) -> [f32; 2] {
         let twice = xi * (2.0 * self.g);
         let ratio = self.one_minus_g * reciprocal(twice + self.one_minus_g);

@@ -62,15 +62,18 @@
 //! Lengths in the scene's unit, colors linear Rec. 709, angles in radians unless a name says degrees.
 //!
 //! # Out of scope
-//! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
+//! Reading scenes (`translucid-load`) and the profiles' mathematics (`translucid-profile`).
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 #[doc(hidden)]
 pub mod device;
-mod light;
 #[doc(hidden)]
-pub mod measure;
+pub mod internals;
+/// The name by which the tests of `translucid-gpu`'s pictures know it.
+#[doc(hidden)]
+pub use internals as measure;
+mod light;
 mod path;
 mod ray;
 mod render;

@@ -188,7 +188,7 @@ impl Integrator {
             field!(Integrator { caustics } => SceneSlot::Flag(caustics),
                 "whether a glossy event after a diffuse one may meet light", Plain),
             field!(Integrator { subsurface_tail } => SceneSlot::Number(subsurface_tail, Interval::above(0.0, 0.1)),
-                "share of a profile beyond the longest probe, {range}; what is left is renormalized. Of light from beyond a distance this share over the profile's share beyond it is missing (a tenth where 1 % of the profile lies beyond, all of it beyond the longest probe): lower it where light travels far through something dark", Plain),
+                "share of a profile beyond the longest probe, {range}; lower it where light travels far through something dark", Plain),
             field!(Integrator { subsurface_method } => SceneSlot::Word(subsurface_method),
                 "`\"ray-traced\"`: every path looks for an entry point; `\"point-based\"`: the light that enters is computed at points beforehand and summed, see [Point-based](point-based.md); `\"cycles-disk\"`: ray-traced with the weights of Blender Cycles' Christensen-Burley, [for its look](blender.md#subsurface-scattering)", Plain),
             field!(Integrator { subsurface_sharing } => SceneSlot::Flag(subsurface_sharing),

@@ -1,6 +1,6 @@
 //! The WebAssembly module of the npm package `translucid`, whose `package/translucid.js` alone calls it.
 //!
-//! A call is a text and numbers that the package writes into memory of this module ([`desk`]), and so is its answer.
+//! A call is a text and numbers that the package writes into memory of this module ([`calls`]), and so is its answer.
 //! Names, ranges and messages are those of the command and the Python module, in the spelling of JavaScript:
 //! `surface_albedo` is `surfaceAlbedo`.
 //!
@@ -11,8 +11,8 @@
 //! Threads, files, scenes, pictures, walks and tilted beams.
 
 mod ask;
+pub mod calls;
 mod conversion;
-pub mod desk;
 mod exact;
 mod export;
 mod options;

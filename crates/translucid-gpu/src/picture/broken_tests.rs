@@ -4,10 +4,10 @@
 
 use std::env;
 
-use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::device::{DeviceLimits, DeviceScene};
 use translucid_render::{FilmLayer, PreparedScene};
 use translucid_scene::{Scene, SubsurfaceNormalization, SubsurfaceTextureAt};
+use translucid_workbench::{BrokenScene, broken_scenes, scene_of_everything};
 
 use super::tests::{picture, tracer};
 

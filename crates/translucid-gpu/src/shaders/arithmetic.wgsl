@@ -4,7 +4,7 @@
 // joins to one operation, expressions that it rearranges (Mesa makes y of (x + y) − x), and the built-in division, roots
 // and elementary functions. So each sum and product passes through `fixed`, which no compiler can see through, but for those
 // by a power of two, which are exact; and all else is made of sums and products here.
-// `twin/arithmetic.rs` has the same operations.
+// `twin.rs` has the same operations in Rust.
 
 // The number itself. `settings.zero` is 0, which only the host knows.
 fn fixed(x: f32) -> f32 {

@@ -74,8 +74,8 @@ fn every_bit_of_seed_index_and_step_is_scattered() {
             let bit =
                 |from: u32| if (from..from + 64).contains(&flipped) { 1u64 << (flipped - from) } else { 0 };
             let other_step = if flipped >= 128 { step ^ 1 << (flipped - 128) } else { step };
-            let one = random(law::key(seed), index, step);
-            let two = random(law::key(seed ^ bit(0)), index ^ bit(64), other_step);
+            let one = random(walk_numbers::key(seed), index, step);
+            let two = random(walk_numbers::key(seed ^ bit(0)), index ^ bit(64), other_step);
             for (place, count) in counts.iter_mut().enumerate() {
                 *count += u64::from((one[place / 32] ^ two[place / 32]) >> (place % 32) & 1);
             }
@@ -91,7 +91,7 @@ fn every_bit_of_seed_index_and_step_is_scattered() {
 /// walk is made: χ² over 256 cells. 3 × 4 × 4 × 4 × 6 statistics, each beyond 6σ with 4e-8: false alarm 5e-5.
 #[test]
 fn neighbors_steps_and_words_are_independent() {
-    let (photons, key) = (1u64 << 16, law::key(9));
+    let (photons, key) = (1u64 << 16, walk_numbers::key(9));
     for step in 0..4u32 {
         let mut counts = vec![[0u64; 256]; 3 * 4 * 4 * 6];
         for index in 0..photons {
@@ -141,13 +141,14 @@ fn rings_are_as_narrow_as_their_radii_say() {
         let layout = Layout::new(&radii, 1).unwrap();
         let problem = Problem::new(Parameters::default()).unwrap();
         let walk = DeviceWalk { problem: &problem, layout: &layout, reference_albedo: 0.9, seed: 0 };
-        let law = Law::new(&walk).unwrap();
+        let numbers = WalkNumbers::new(&walk).unwrap();
         for i in 0..20_000u32 {
             let (r, angle) = (radius * (1.0 + 5e-10 * f64::from(i)), 0.37 * f64::from(i));
             let (sine, cosine) = libm::sincos(angle);
             let place = [(r * cosine) as f32, (r * sine) as f32];
-            let mut tally = DeviceTally { exits: vec![(0, 0); law.bins.cells()], ..DeviceTally::default() };
-            law.count(place, 0, false, &mut tally);
+            let mut tally =
+                DeviceTally { exits: vec![(0, 0); numbers.bins.cells()], ..DeviceTally::default() };
+            numbers.count(place, 0, false, &mut tally);
             let [x, y] = place.map(f64::from);
             let ring = |shift: f64| {
                 let square = (x * x + y * y) * (1.0 + shift);

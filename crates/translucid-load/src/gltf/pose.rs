@@ -14,7 +14,7 @@ use super::nodes::PlacedNode;
 /// Where the nodes that may be joints are.
 pub(super) type Joints = HashMap<usize, DAffine3>;
 
-/// Sums of a vertex's weights that differ by more from 1 are told of; rounding of bytes differs by less.
+/// A vertex whose weights sum to something farther from 1 gets a warning; weights rounded to bytes are nearer.
 const FAR_FROM_ONE: f64 = 0.01;
 
 /// The places of all nodes, if there is a skin that could ask for them.

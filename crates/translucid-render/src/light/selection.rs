@@ -11,7 +11,7 @@ use super::weights::{GREATEST_IMPORTANCE, LightWeights, importance};
 
 /// Up to this many lights are weighed one by one.
 ///
-/// `cargo bench -p translucid-benches --bench lights -- --lights 16,24,31,40,64` shows where a tree begins to pay.
+/// `cargo bench -p translucid-workbench --bench lights -- --lights 16,24,31,40,64` shows where a tree begins to pay.
 pub(crate) const MOST_WEIGHED: usize = 32;
 
 /// Up to this many have a shorter array: most scenes have a light and a sky.

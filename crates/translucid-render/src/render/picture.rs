@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::SampleRanges;
     use crate::render::film::tests::test_film;
-    use crate::{PreparedScene, measure};
+    use crate::{PreparedScene, internals};
 
     /// The values of all pixels of a channel.
     fn values(picture: &Picture<'_>, name: &str) -> Vec<f64> {
@@ -299,7 +299,7 @@ mod tests {
         scene.integrator.seed = seed;
         let prepared = PreparedScene::new(scene).unwrap();
         let mut film = FilmSums::new(96, 64);
-        measure::add_samples(&prepared, &mut film, samples).unwrap();
+        internals::add_samples(&prepared, &mut film, samples).unwrap();
         film
     }
 

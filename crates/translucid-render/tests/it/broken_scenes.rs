@@ -1,8 +1,8 @@
 //! Scenes made in code with one broken value: refused with its place, or rendered; never a panic.
 
-use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::PreparedScene;
 use translucid_testing::is_thorough;
+use translucid_workbench::{BrokenScene, broken_scenes, scene_of_everything};
 
 use crate::common::render;
 

@@ -311,7 +311,7 @@ fn each_probe_axis_alone_has_the_same_mean() {
         scene.lights.push(distant(normal));
         let tail = f64::from(scene.integrator.subsurface_tail);
         let mut renderer = prepare(scene);
-        translucid_render::measure::set_probe_axes(&mut renderer, shares);
+        translucid_render::internals::set_probe_axes(&mut renderer, shares);
         let exit = Vec3::new(2e-4, 1e-4, 0.0);
         let distance = f64::from(h - exit.dot(normal));
         let (mean, error) = measure(&renderer, exit + Vec3::Z * 0.1, Vec3::NEG_Z, samples(1 << 19));

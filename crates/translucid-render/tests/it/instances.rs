@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 use translucid_profile::Model;
-use translucid_render::{Edit, FilmSums, Geometry, View, measure};
+use translucid_render::{Edit, FilmSums, Geometry, View, internals};
 use translucid_scene::{
     Camera, ColorInput, Film, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceMethod,
     SubsurfaceModel, WalkSurface,
@@ -224,7 +224,7 @@ fn picture(scene: Scene) -> FilmSums {
     let scene = Scene { film, camera, ..scene };
     let prepared = translucid_render::PreparedScene::new(scene).unwrap();
     let mut film = FilmSums::new(64, 16);
-    measure::add_samples(&prepared, &mut film, 4).unwrap();
+    internals::add_samples(&prepared, &mut film, 4).unwrap();
     film
 }
 

@@ -1,4 +1,4 @@
-//! The renderer against exact answers and against itself; see `translucid-benches` for scenes from files.
+//! The renderer against exact answers and against itself; see `translucid-workbench` for scenes from files.
 //!
 //! Tests whose power is a number of samples, pictures or scenes run at an eighth of it, unless `TRANSLUCID_THOROUGH` is
 //! `1`; see `translucid_testing`.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use translucid_render::FilmSums;
-use translucid_render::measure::{self, LightSelection};
+use translucid_render::internals::{self, LightSelection};
 use translucid_scene::{Camera, Light, Material, Object, ScalarInput, Scene};
 use translucid_testing::bound;
 
@@ -93,7 +93,7 @@ fn picture_is_the_same_at_any_number_of_threads() {
 fn picture_is_the_same_by_any_selection() {
     let brightness = |way: LightSelection, first_seed: u64| -> (f64, f64) {
         let mut prepared = prepare(hall());
-        measure::select_lights(&mut prepared, way);
+        internals::select_lights(&mut prepared, way);
         let mean_of = |film: &FilmSums| {
             let pixels = (0..16).flat_map(|y| (0..24).map(move |x| (x, y)));
             pixels.map(|(x, y)| film.radiance(x, y)[0]).sum::<f64>() / 384.0

@@ -11,7 +11,7 @@ use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, 
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 use translucid_reference::{Estimate, Incidence};
 use translucid_render::PixelSample;
-use translucid_render::measure::bsdf::{Ggx, fresnel_dielectric};
+use translucid_render::internals::bsdf::{Ggx, fresnel_dielectric};
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
     SubsurfaceParameter, WalkSurface,

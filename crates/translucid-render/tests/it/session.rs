@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use translucid_broken_scenes::scene_of_everything;
 use translucid_render::{Edit, Event, Fraction, Outcome, Plan, PreparedScene, Session};
 use translucid_scene::{Material, ScalarInput, SubsurfaceMethod};
+use translucid_workbench::scene_of_everything;
 
 use crate::common::{on_threads, prepare, scene, sphere, uniform_environment};
 

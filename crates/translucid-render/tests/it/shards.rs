@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_image::PixelRect;
 use translucid_render::{
     FilmSums, Goal, LiveFilm, PreparedScene, ShardMerge, ShardNotes, ShardReader, ShardRun, View, save_shard,
 };
 use translucid_scene::{Scene, SubsurfaceMethod};
 use translucid_testing::SplitMix;
+use translucid_workbench::{BrokenScene, broken_scenes, scene_of_everything};
 
 use crate::common::{
     GRAY, matte, on_threads, prepare, prepare_with_points, scene, sphere, uniform_environment,

@@ -6,7 +6,7 @@ use crate::imports::{self, Graph};
 ///
 /// A room may import from its own floor and from those below.
 const FLOORS: [&[&str]; 8] = [
-    &["session", "measure", "device"],
+    &["session", "internals", "device"],
     &["render"],
     &["path"],
     &["subsurface"],

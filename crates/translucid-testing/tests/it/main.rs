@@ -2,7 +2,6 @@
 //! which command writes a table.
 
 mod book;
-mod budget;
 mod circles;
 mod dependencies;
 mod floors;

@@ -14,7 +14,7 @@ use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
 /// Radiat. Transfer 11, 1971, as the crate `translucid-reference` computes it, tabulated over radius and surface
 /// albedo. This is what the approximate models and fits are judged by.
 ///
-/// Against that solution, for every surface albedo (`tests/exact_profile.rs` of that crate): the cdf is off by
+/// Against that solution, for every surface albedo (`tests/it/exact_profile.rs` of that crate): the cdf is off by
 /// less than 1e-6, and by less than 2e-5 of itself close to the point of entry; R(r) by less than 5e-5 of itself
 /// up to 20 mean free paths, by less than 1e-3 of itself for albedos below 0.02, which have next to nothing left
 /// there. Beyond 16,384 mean free paths an exponential takes the place of what at A = 1 is R ~ r⁻³, with 1e-4 of

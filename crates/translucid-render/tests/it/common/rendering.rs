@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 pub(crate) use translucid_render::PreparedScene;
 use translucid_render::{
-    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, SampleProgress, View, measure,
+    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, SampleProgress, View, internals,
 };
 use translucid_scene::{Scene, SceneError};
 
@@ -25,7 +25,7 @@ pub(crate) fn sample_ray(
     seed: u64,
     index: u32,
 ) -> PixelSample {
-    measure::sample_ray(prepared, origin, direction, seed, index)
+    internals::sample_ray(prepared, origin, direction, seed, index)
 }
 
 /// Renders a picture of a scene, of its film's size.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use translucid_render::PixelSample;
-use translucid_render::measure::Frame;
+use translucid_render::internals::Frame;
 use translucid_testing::{is_thorough, power};
 
 use super::rendering::{PreparedScene, sample_ray};

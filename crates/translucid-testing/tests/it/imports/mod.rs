@@ -14,7 +14,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 pub(crate) use graph::Graph;
-pub(crate) use tokens::lines_of_code as lines_of_code_in;
 
 /// Text of the files of a crate, by their paths below `src`.
 pub(crate) type Sources = BTreeMap<String, String>;
@@ -38,13 +37,6 @@ pub(crate) fn of_crate(name: &str) -> Graph {
     let mut sources = Sources::new();
     read(&crates().join(name).join("src"), "", &mut sources);
     of_sources(&sources)
-}
-
-/// Lines of code of a crate of the workspace: those of its sources, without tests, comments and empty lines.
-pub(crate) fn lines_of_code(name: &str) -> usize {
-    let mut sources = Sources::new();
-    read(&crates().join(name).join("src"), "", &mut sources);
-    of_sources(&sources).files().map(|(file, _)| lines_of_code_in(&sources[file])).sum()
 }
 
 /// Imports between the files of each example of a crate of the workspace, by the example's name.

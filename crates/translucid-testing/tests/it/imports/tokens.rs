@@ -1,7 +1,5 @@
 //! Words and signs of Rust code, without comments, strings and tests.
 
-use std::collections::BTreeSet;
-
 /// A word or a sign, and where it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token {
@@ -9,8 +7,6 @@ pub(super) struct Token {
     pub(super) text: String,
     /// From 1.
     pub(super) line: usize,
-    /// The line that it ends on, which is another one for a literal of several lines.
-    last_line: usize,
 }
 
 impl Token {
@@ -27,20 +23,9 @@ impl Token {
 const ITEMS: [&str; 12] =
     ["const", "enum", "extern", "fn", "impl", "mod", "static", "struct", "trait", "type", "union", "use"];
 
-/// Stands for every literal and lifetime.
-const LITERAL: &str = "\"\"";
-
-/// Tokens of a file but for literals and for items under `#[cfg(test)]` and `#[cfg(doctest)]`.
+/// Tokens of a file but for items under `#[cfg(test)]` and `#[cfg(doctest)]`.
 pub(super) fn tokens(text: &str) -> Vec<Token> {
-    let mut tokens = all_tokens(text);
-    tokens.retain(|token| !token.is(LITERAL));
-    without_tests(&tokens)
-}
-
-/// Number of lines of a file that hold code: more than space, comments and items under `#[cfg(test)]`.
-pub(crate) fn lines_of_code(text: &str) -> usize {
-    let tokens = without_tests(&all_tokens(text));
-    tokens.iter().flat_map(|token| token.line..=token.last_line).collect::<BTreeSet<usize>>().len()
+    without_tests(&all_tokens(text))
 }
 
 fn is_of_word(c: char) -> bool {
@@ -53,22 +38,20 @@ fn all_tokens(text: &str) -> Vec<Token> {
     let (mut i, mut line) = (0, 1);
     while i < chars.len() {
         let end = end_of_piece(&chars, i);
-        let last_line = line + chars[i..end].iter().filter(|c| **c == '\n').count();
         if let Some(text) = token(&chars[i..end]) {
-            tokens.push(Token { text, line, last_line });
+            tokens.push(Token { text, line });
         }
-        line = last_line;
+        line += chars[i..end].iter().filter(|c| **c == '\n').count();
         i = end;
     }
     tokens
 }
 
-/// The token that a piece of code is, unless it is a space or a comment.
+/// The token that a piece of code is, unless it is a space, a comment or a literal.
 fn token(piece: &[char]) -> Option<String> {
-    let is_comment = matches!(piece, ['/', '/' | '*', ..]);
+    let is_text = piece.len() > 1 && !is_of_word(piece[0]) && piece != [':', ':'];
     let is_literal = piece.iter().any(|c| matches!(c, '"' | '\'')) && piece.len() > 1;
-    let text = || if is_literal { LITERAL.to_owned() } else { piece.iter().collect() };
-    (!is_comment && !piece[0].is_whitespace()).then(text)
+    (!is_text && !is_literal && !piece[0].is_whitespace()).then(|| piece.iter().collect())
 }
 
 /// End of the comment, literal, word or sign that begins at `start`.

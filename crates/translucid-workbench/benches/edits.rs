@@ -1,7 +1,7 @@
 //! Time from an edit of a prepared scene to the first ray that is traced after it.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench edits
+//! cargo bench -p translucid-workbench --bench edits
 //! ```
 //!
 //! For the built-in still life and, where the scans are there (`docs/inside/scans.md`), for a head of 71k triangles and a dragon of 870k.
@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
-use translucid_render::measure::sample_ray;
+use translucid_render::internals::sample_ray;
 use translucid_render::{Edit, PreparedScene, View};
 use translucid_scene::{Camera, Material, Projection, Scene, SubsurfaceModel};
 use translucid_testing::asset;

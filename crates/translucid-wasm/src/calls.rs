@@ -20,44 +20,45 @@ enum Handle {
     Freed,
 }
 
+/// What both read and write, and the things that live here.
 #[derive(Default)]
-struct Desk {
+struct Shared {
     text: Vec<u8>,
     numbers: Vec<f64>,
     handles: Vec<Handle>,
 }
 
 thread_local! {
-    static DESK: RefCell<Desk> = RefCell::default();
+    static SHARED: RefCell<Shared> = RefCell::default();
 }
 
 /// Makes room for a request, in UTF-8.
 #[unsafe(no_mangle)]
 pub extern "C" fn text(length: usize) -> *mut u8 {
-    DESK.with_borrow_mut(|desk| {
-        desk.text.resize(length, 0);
-        desk.text.as_mut_ptr()
+    SHARED.with_borrow_mut(|shared| {
+        shared.text.resize(length, 0);
+        shared.text.as_mut_ptr()
     })
 }
 
 /// Makes room for numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn numbers(count: usize) -> *mut f64 {
-    DESK.with_borrow_mut(|desk| {
-        desk.numbers.resize(count, 0.0);
-        desk.numbers.as_mut_ptr()
+    SHARED.with_borrow_mut(|shared| {
+        shared.numbers.resize(count, 0.0);
+        shared.numbers.as_mut_ptr()
     })
 }
 
 /// Answers the request: 0 with JSON, 1 with the message of an error.
 #[unsafe(no_mangle)]
 pub extern "C" fn call() -> u32 {
-    DESK.with_borrow_mut(|desk| {
-        let (status, text) = match desk.answer() {
+    SHARED.with_borrow_mut(|shared| {
+        let (status, text) = match shared.answer() {
             Ok(value) => (0, value.to_string()),
             Err(message) => (1, message),
         };
-        desk.text = text.into_bytes();
+        shared.text = text.into_bytes();
         status
     })
 }
@@ -65,16 +66,16 @@ pub extern "C" fn call() -> u32 {
 /// Length of the answer's text.
 #[unsafe(no_mangle)]
 pub extern "C" fn text_length() -> usize {
-    DESK.with_borrow(|desk| desk.text.len())
+    SHARED.with_borrow(|shared| shared.text.len())
 }
 
 /// Number of the answer's numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn numbers_count() -> usize {
-    DESK.with_borrow(|desk| desk.numbers.len())
+    SHARED.with_borrow(|shared| shared.numbers.len())
 }
 
-impl Desk {
+impl Shared {
     fn answer(&mut self) -> Result<Value, String> {
         let request = serde_json::from_slice(&self.text).map_err(|error| error.to_string())?;
         let mut request = Options::new("request", request)?;
@@ -145,46 +146,46 @@ mod tests {
     use super::*;
 
     /// What the package would receive: the status, and the answer.
-    fn call_with(desk: &mut Desk, request: &Value, numbers: &[f64]) -> Result<Value, String> {
-        desk.text = request.to_string().into_bytes();
-        desk.numbers = numbers.to_vec();
-        desk.answer()
+    fn call_with(shared: &mut Shared, request: &Value, numbers: &[f64]) -> Result<Value, String> {
+        shared.text = request.to_string().into_bytes();
+        shared.numbers = numbers.to_vec();
+        shared.answer()
     }
 
     #[test]
     fn profile_is_made_applied_and_freed() {
-        let mut desk = Desk::default();
+        let mut shared = Shared::default();
         let jade = json!({ "call": "'profile", "options": { "surfaceAlbedo": "#0.6", "mfp": "#1.5" } });
-        assert_eq!(call_with(&mut desk, &jade, &[]), Ok(json!(0)));
-        assert_eq!(call_with(&mut desk, &jade, &[]), Ok(json!(1)));
+        assert_eq!(call_with(&mut shared, &jade, &[]), Ok(json!(0)));
+        assert_eq!(call_with(&mut shared, &jade, &[]), Ok(json!(1)));
         let eval =
             json!({ "call": "'apply", "handle": "#1", "options": { "quantity": "'eval", "isOne": false } });
-        assert_eq!(call_with(&mut desk, &eval, &[0.5, 1.0]), Ok(Value::Null));
-        assert!((desk.numbers[0] - 0.06838).abs() < 1e-5 && (desk.numbers[1] - 0.02588).abs() < 1e-5);
-        let wrong = call_with(&mut desk, &eval, &[0.5, -1.0]);
+        assert_eq!(call_with(&mut shared, &eval, &[0.5, 1.0]), Ok(Value::Null));
+        assert!((shared.numbers[0] - 0.06838).abs() < 1e-5 && (shared.numbers[1] - 0.02588).abs() < 1e-5);
+        let wrong = call_with(&mut shared, &eval, &[0.5, -1.0]);
         assert_eq!(wrong.unwrap_err(), "r[1] is -1, but must be at least 0");
-        assert_eq!(call_with(&mut desk, &json!({ "call": "'free", "handle": "#1" }), &[]), Ok(Value::Null));
-        assert_eq!(call_with(&mut desk, &eval, &[0.5]).unwrap_err(), "there is no such profile");
-        assert_eq!(call_with(&mut desk, &jade, &[]), Ok(json!(1)));
+        assert_eq!(call_with(&mut shared, &json!({ "call": "'free", "handle": "#1" }), &[]), Ok(Value::Null));
+        assert_eq!(call_with(&mut shared, &eval, &[0.5]).unwrap_err(), "there is no such profile");
+        assert_eq!(call_with(&mut shared, &jade, &[]), Ok(json!(1)));
     }
 
     #[test]
     fn half_space_answers_with_errors_behind_values() {
-        let mut desk = Desk::default();
+        let mut shared = Shared::default();
         let options = json!({ "singleScatteringAlbedo": "#0.9", "configuration": "'searchlight" });
-        let made = call_with(&mut desk, &json!({ "call": "'halfSpace", "options": options }), &[]);
+        let made = call_with(&mut shared, &json!({ "call": "'halfSpace", "options": options }), &[]);
         assert_eq!(made, Ok(json!(0)));
         let eval = json!({ "call": "'apply", "handle": "#0", "options": { "quantity": "'eval" } });
-        assert_eq!(call_with(&mut desk, &eval, &[0.1, 1.0]), Ok(Value::Null));
-        assert_eq!(desk.numbers.len(), 4);
-        assert!((desk.numbers[0] - 0.56107803).abs() < 1e-8 && desk.numbers[2] < 1e-9);
+        assert_eq!(call_with(&mut shared, &eval, &[0.1, 1.0]), Ok(Value::Null));
+        assert_eq!(shared.numbers.len(), 4);
+        assert!((shared.numbers[0] - 0.56107803).abs() < 1e-8 && shared.numbers[2] < 1e-9);
     }
 
     #[test]
     fn questions_are_answered_or_refused_in_the_spelling_of_javascript() {
         let ask = |said: Value| {
             let options = json!({ "question": "'stack", "said": said });
-            call_with(&mut Desk::default(), &json!({ "call": "'ask", "options": options }), &[])
+            call_with(&mut Shared::default(), &json!({ "call": "'ask", "options": options }), &[])
         };
         let layer = json!({ "thickness": "#1", "surfaceAlbedo": ["#0.8", "#0.5", "#0.3"], "mfp": "#0.1" });
         let answer = ask(json!({ "layers": [layer.clone()] })).unwrap();
@@ -199,8 +200,8 @@ mod tests {
     #[test]
     fn export_names_the_command_that_makes_it() {
         let options = json!({ "to": "'wgsl", "what": ["'profile", "'sampler"], "surfaceAlbedo": "#0.8", "mfp": ["#1", "#2", "#3"] });
-        let text =
-            call_with(&mut Desk::default(), &json!({ "call": "'export", "options": options }), &[]).unwrap();
+        let text = call_with(&mut Shared::default(), &json!({ "call": "'export", "options": options }), &[])
+            .unwrap();
         let command = "translucid export --to wgsl --what profile,sampler --surface-albedo 0.8 --mfp 1,2,3";
         assert!(text.as_str().unwrap().contains(command));
     }

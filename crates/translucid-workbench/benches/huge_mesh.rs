@@ -1,7 +1,7 @@
 //! Time and memory of a mesh of ten million triangles, from a PLY file to a picture.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench huge_mesh [-- --triangles 10000000]
+//! cargo bench -p translucid-workbench --bench huge_mesh [-- --triangles 10000000]
 //! ```
 //!
 //! The mesh is a ring with bumps, written to a temporary file that is removed in the end, triangles in rows as a scanner
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use translucid_load::{LoadOptions, load_scene};
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_testing::cpu_seconds;
 
 fn main() {
@@ -55,7 +55,7 @@ fn render(path: &Path) {
     step("prepare", start);
     let start = now();
     let mut film = FilmSums::new(256, 256);
-    measure::add_samples(&renderer, &mut film, 1).expect("a valid view");
+    internals::add_samples(&renderer, &mut film, 1).expect("a valid view");
     step("render", start);
     println!(
         "{triangles} triangles, {:.0} bytes of peak memory each",

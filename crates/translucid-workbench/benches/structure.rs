@@ -1,7 +1,7 @@
 //! How the noise of shared light looks: steps at the borders of blocks, correlation, and the means of regions.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
+//! cargo bench -p translucid-workbench --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/noise.md`, which explains its columns; `--samples 1 --write` puts it there.
@@ -15,7 +15,7 @@ use std::fmt::Write;
 use common::{bumpy_ball, scene};
 use glam::Vec3;
 use translucid_profile::Model;
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{ColorInput, Light, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::write_measured;
 
@@ -72,7 +72,7 @@ fn main() {
     println!("{table}");
     if arguments.iter().any(|argument| argument == "--write") {
         let count = samples.map_or_else(String::new, |count| format!("--samples {count} "));
-        let command = format!("cargo bench -p translucid-benches --bench structure -- {count}--write");
+        let command = format!("cargo bench -p translucid-workbench --bench structure -- {count}--write");
         write_measured("docs/speed/noise.md", &command, &table);
     }
 }
@@ -111,7 +111,7 @@ fn picture(scene: &Scene, shares: bool, seed: u64, samples: u32) -> FilmSums {
     scene.integrator.subsurface_sharing = shares;
     let prepared = PreparedScene::new(scene).expect("a valid scene");
     let mut film = FilmSums::new(SIZE, SIZE);
-    measure::add_samples(&prepared, &mut film, samples).expect("a valid view");
+    internals::add_samples(&prepared, &mut film, samples).expect("a valid view");
     film
 }
 

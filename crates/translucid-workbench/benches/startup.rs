@@ -1,7 +1,7 @@
 //! Time from nothing to the first pixels, stage by stage.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
+//! cargo bench -p translucid-workbench --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
 //! ```
 //!
 //! For the built-in still life, a thousand spheres, a hundred busts and, where the scans are there (`docs/inside/scans.md`), for the
@@ -21,8 +21,8 @@ use std::time::Instant;
 
 use translucid_load::{LoadOptions, SceneFile, load_scene, still_life};
 use translucid_profile::Model;
-use translucid_render::measure::bsdf::MaterialTables;
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::internals::bsdf::MaterialTables;
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_scene::{Scene, SubsurfaceModel};
 use translucid_shapes::{ShapeParameters, build_shape, shape_names};
 use translucid_testing::asset;
@@ -145,7 +145,7 @@ fn run(case: &Case, options: &LoadOptions, runs: usize) {
         let prepared = now();
         let film = &renderer.scene().film;
         let mut film = FilmSums::new(film.width, film.height);
-        measure::add_samples(&renderer, &mut film, 1).expect("a valid view");
+        internals::add_samples(&renderer, &mut film, 1).expect("a valid view");
         let rendered = now();
         loading = loading.least(between(start, loaded));
         preparing = preparing.least(between(loaded, prepared));

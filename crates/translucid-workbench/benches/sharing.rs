@@ -1,7 +1,7 @@
 //! Worth and cost of sharing light between the pixels of a block.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench sharing [-- CASE…] [--write]
+//! cargo bench -p translucid-workbench --bench sharing [-- CASE…] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/how-fast.md`, which explains its columns; `--write` puts it there.
@@ -19,7 +19,7 @@ use common::{DISTANCE, FIELD_OF_VIEW, bumpy_ball, scene};
 use glam::Vec3;
 use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_scene::{ColorInput, Light, Mesh, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
@@ -57,7 +57,7 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--write") {
         write_measured(
             "docs/speed/how-fast.md",
-            "cargo bench -p translucid-benches --bench sharing -- --write",
+            "cargo bench -p translucid-workbench --bench sharing -- --write",
             &table,
         );
     }
@@ -82,7 +82,7 @@ fn measured(scene: &Scene) -> [Measured; 2] {
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let mut film = FilmSums::new(SIZE, SIZE);
         let start = cpu_seconds();
-        measure::add_samples(&prepared, &mut film, SAMPLES).expect("a valid view");
+        internals::add_samples(&prepared, &mut film, SAMPLES).expect("a valid view");
         let which = usize::from(!shares);
         seconds[which] = seconds[which].min(cpu_seconds() - start);
         films[which].push(film);

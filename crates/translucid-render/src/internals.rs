@@ -1,4 +1,4 @@
-//! Functions for tests and benches that no picture needs.
+//! Parts of the renderer for tests and benches: single rays, lights and surfaces, which no picture asks for.
 
 use std::sync::atomic::AtomicBool;
 

@@ -41,7 +41,7 @@ impl Interface {
 
 /// All that the walk of a photon depends on, but its index.
 #[derive(Clone, Debug)]
-pub(crate) struct Law {
+pub(crate) struct WalkNumbers {
     pub(crate) key: [u32; 4],
     pub(crate) phase_function: u32,
     pub(crate) incidence: u32,
@@ -83,7 +83,7 @@ impl Bins {
     }
 }
 
-impl Law {
+impl WalkNumbers {
     /// The numbers of a walk.
     ///
     /// # Errors
@@ -150,7 +150,7 @@ impl Law {
 }
 
 #[cfg(feature = "device")]
-impl Law {
+impl WalkNumbers {
     /// The words of `Settings` in `walk.wgsl`.
     pub(crate) fn settings(&self, first: u64, photons: u32, slots: u32, steps: u32) -> Vec<u32> {
         let side = |side: &Interface| {

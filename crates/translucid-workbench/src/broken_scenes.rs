@@ -1,6 +1,4 @@
-//! Broken scenes for tests: a small scene with a bit of everything, and each of its values changed to worse.
-
-mod everything;
+//! Scenes with each of their values changed to worse, one at a time.
 
 use std::sync::Arc;
 
@@ -10,8 +8,6 @@ use translucid_scene::{
     Camera, Environment, Film, Image, Integrator, Material, Mesh, Object, Pixels, ProfileRow, ProfileTable,
     Scene,
 };
-
-pub use everything::scene_of_everything;
 
 /// Numbers that are likely to hurt.
 const NUMBERS: [f32; 12] =
@@ -259,6 +255,7 @@ mod tests {
     use translucid_scene::Light;
 
     use super::*;
+    use crate::scene_of_everything;
 
     #[test]
     fn scene_of_everything_is_valid() {

@@ -2,9 +2,9 @@
 //! a panic, and every sum of the film is finite.
 //!
 //! ```text
-//! cargo test -p translucid-benches --test it fuzzed_scenes                                   those of every run
-//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-benches --test it fuzzed_scenes          one; its files are kept
-//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-benches --test it fuzzed_scenes  others
+//! cargo test -p translucid-workbench --test it fuzzed_scenes                                   those of every run
+//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-workbench --test it fuzzed_scenes          one; its files are kept
+//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-workbench --test it fuzzed_scenes  others
 //! ```
 
 #![allow(clippy::print_stdout, reason = "the harness shows what a failed or watched run has printed")]
@@ -157,7 +157,7 @@ impl Totals {
 
 fn reproduction(totals: &Totals) -> String {
     let seed = totals.failed.first().unwrap_or(&0);
-    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-benches --test it fuzzed_scenes")
+    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-workbench --test it fuzzed_scenes")
 }
 
 /// Gathers verdicts until all are there, or a scene hangs.

@@ -1,7 +1,7 @@
 //! Growth of a picture's cost with its triangles, with the mean free path and with the threads.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
+//! cargo bench -p translucid-workbench --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
 //! ```
 //!
 //! Prints the tables of `docs/speed/scaling.md`, which explains their columns; `--write` puts them there.
@@ -15,7 +15,7 @@ mod common;
 use std::fmt::Write;
 use std::time::Instant;
 
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_scene::Scene;
 use translucid_testing::{cpu_seconds, write_measured};
 
@@ -40,7 +40,7 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--write") {
         write_measured(
             "docs/speed/scaling.md",
-            "cargo bench -p translucid-benches --bench scaling -- --write",
+            "cargo bench -p translucid-workbench --bench scaling -- --write",
             &tables,
         );
     }
@@ -155,7 +155,7 @@ impl Measured {
 
 fn picture(renderer: &PreparedScene, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(SIZE, SIZE);
-    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut film, samples).expect("a valid view");
     film
 }
 

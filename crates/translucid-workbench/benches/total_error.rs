@@ -1,7 +1,7 @@
 //! The total error, bias and noise, of profiles and of walks at equal CPU time: which model pictures should have by default.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
+//! cargo bench -p translucid-workbench --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
 //! ```
 //!
 //! Prints each walk's total error over those of the profiles, and all that they are made of; `--write` puts the table that
@@ -26,7 +26,7 @@ use std::path::Path;
 
 use translucid_load::{LoadOptions, SceneFile, load_scene, still_life};
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{Integrator, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
@@ -80,7 +80,7 @@ fn main() {
         let of_eta = eta.map_or(String::new(), |eta| format!("--eta {eta} "));
         write_measured(
             "docs/accuracy/total-error.md",
-            &format!("cargo bench -p translucid-benches --bench total_error -- {of_eta}--write"),
+            &format!("cargo bench -p translucid-workbench --bench total_error -- {of_eta}--write"),
             if eta.is_some() { &tables[2] } else { &tables[0] },
         );
     }
@@ -264,7 +264,8 @@ impl Findings {
             for (pair, renderers) in pairs.iter_mut().zip(&renderers) {
                 let start = cpu_seconds();
                 for (film, renderer) in pair.films.iter_mut().zip(renderers) {
-                    measure::add_samples(renderer, film, (samples * part).div_ceil(4)).expect("a valid view");
+                    internals::add_samples(renderer, film, (samples * part).div_ceil(4))
+                        .expect("a valid view");
                 }
                 pair.seconds += cpu_seconds() - start;
             }

@@ -1,7 +1,7 @@
 //! Error against CPU time on the head and the dragon of `scenes/`.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench convergence [-- --curve --write | head dragon --reference-samples 1024 --model random-walk --alone]
+//! cargo bench -p translucid-workbench --bench convergence [-- --curve --write | head dragon --reference-samples 1024 --model random-walk --alone]
 //! ```
 //!
 //! Prints, for 1, 4, 16 and 64 samples per pixel, CPU seconds, CPU seconds per sample per pixel of the
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use translucid_load::{LoadOptions, load_scene};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, PreparedScene, internals, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
@@ -98,7 +98,7 @@ fn run(case: &Case, scene: &Scene, reference_samples: u32) {
 fn render(renderer: &PreparedScene, width: u32, height: u32, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(width, height);
     let start = cpu_seconds();
-    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 
@@ -156,7 +156,7 @@ fn curve(is_to_write: bool) {
     }
     println!("{table}");
     if is_to_write {
-        let command = "cargo bench -p translucid-benches --bench convergence -- --curve --write";
+        let command = "cargo bench -p translucid-workbench --bench convergence -- --curve --write";
         write_measured("docs/speed/noise.md", command, &table);
     }
 }
@@ -183,7 +183,7 @@ impl Curve {
             let prepared = PreparedScene::new(scene).expect("a valid scene");
             let mut film = FilmSums::new(CURVE_SIZE, CURVE_SIZE);
             let grown = (0..CURVE_STEPS).map(|step| {
-                measure::add_samples(&prepared, &mut film, samples_at(step)).expect("a valid view");
+                internals::add_samples(&prepared, &mut film, samples_at(step)).expect("a valid view");
                 film.clone()
             });
             grown.collect::<Vec<_>>()

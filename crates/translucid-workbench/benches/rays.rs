@@ -1,8 +1,8 @@
 //! Rays per CPU second on the dragon, single-threaded.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench rays [-- dragon_198k dragon_870k --rays 400000 --write FOLDER]
-//! cargo bench -p translucid-benches --bench rays -- dragon_198k --serve
+//! cargo bench -p translucid-workbench --bench rays [-- dragon_198k dragon_870k --rays 400000 --write FOLDER]
+//! cargo bench -p translucid-workbench --bench rays -- dragon_198k --serve
 //! ```
 //!
 //! The kinds are those of a path tracer with subsurface scattering:
@@ -34,7 +34,7 @@ use std::time::Instant;
 use glam::Vec3;
 use translucid_load::load_ply;
 use translucid_profile::NormalizedDiffusion;
-use translucid_render::measure::Frame;
+use translucid_render::internals::Frame;
 use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
 use translucid_scene::{Mesh, Object};
 use translucid_testing::{SplitMix, asset, thread_cpu_seconds};

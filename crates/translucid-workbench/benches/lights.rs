@@ -2,7 +2,7 @@
 //! at every point.
 //!
 //! ```text
-//! cargo bench -p translucid-benches --bench lights
+//! cargo bench -p translucid-workbench --bench lights
 //!     [-- --lights 1,10,100 --samples 16 --seeds 4 --reference-samples 512 --write]
 //! ```
 //!
@@ -22,8 +22,8 @@ use std::hint::black_box;
 
 use glam::{Mat3, Vec3};
 use translucid_profile::Model;
-use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
-use translucid_render::{FilmSums, PreparedScene, measure};
+use translucid_render::internals::{EmissiveTriangle, LightSelection, LightSet};
+use translucid_render::{FilmSums, PreparedScene, internals};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
     ScalarInput, Scene, SubsurfaceModel, Unit,
@@ -74,7 +74,7 @@ fn main() {
     });
     if options.write {
         let command = format!(
-            "cargo bench -p translucid-benches --bench lights -- --seeds {} --reference-samples {} --write",
+            "cargo bench -p translucid-workbench --bench lights -- --seeds {} --reference-samples {} --write",
             options.seeds, options.reference_samples
         );
         write_measured("docs/speed/many-lights.md", &command, &pictures);
@@ -257,7 +257,7 @@ fn pictures(options: &Options) -> String {
         for seed in 0..options.seeds {
             for (way, total) in ways.iter().zip(&mut totals) {
                 let mut renderer = seeded(seed);
-                measure::select_lights(&mut renderer, *way);
+                internals::select_lights(&mut renderer, *way);
                 let (film, seconds) = render(&renderer, options.samples);
                 *total = (total.0 + seconds, total.1 + relative_mse(&film, &reference));
             }
@@ -348,7 +348,7 @@ fn nanoseconds<T>(inputs: &[T], mut call: impl FnMut(&T)) -> f64 {
 fn render(renderer: &PreparedScene, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(SIZE[0], SIZE[1]);
     let start = cpu_seconds();
-    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 

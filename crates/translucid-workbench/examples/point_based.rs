@@ -1,7 +1,7 @@
 //! How point-based subsurface scattering converges to the ray-traced, and what it costs.
 //!
 //! ```text
-//! cargo run --release -p translucid-benches --example point_based [-- bust still-life head --size 24 --reference 16384]
+//! cargo run --release -p translucid-workbench --example point_based [-- bust still-life head --size 24 --reference 16384]
 //! ```
 //!
 //! Prints a table for each scene and model: number of points, CPU seconds of both passes and of the picture, and
@@ -25,7 +25,7 @@ use std::sync::atomic::AtomicBool;
 use translucid_image::DisplayTransform;
 use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, layer, measure};
+use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, internals, layer};
 use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel};
 use translucid_testing::{asset, cpu_seconds};
 
@@ -176,7 +176,7 @@ fn render(renderer: &PreparedScene, samples: u32) -> (FilmSums, f64) {
     let film = &renderer.scene().film;
     let mut sums = FilmSums::new(film.width, film.height);
     let start = cpu_seconds();
-    measure::add_samples(renderer, &mut sums, samples).expect("a valid view");
+    internals::add_samples(renderer, &mut sums, samples).expect("a valid view");
     (sums, cpu_seconds() - start)
 }
 
