@@ -45,7 +45,7 @@ struct Row<'a>(&'a DataTable, &'a [Cell]);
 
 impl Row<'_> {
     fn cell(&self, column: &str) -> &Cell {
-        &self.1[self.0.columns.iter().position(|name| name == column).unwrap()]
+        &self.1[self.0.columns.iter().position(|known| known.name == column).unwrap()]
     }
 
     fn number(&self, column: &str) -> f64 {

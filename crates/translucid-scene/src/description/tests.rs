@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::{Content, Counts, Entry, FileList, Part, Provenance, Table, Thing};
+use super::{Content, Counts, Entry, FileList, Part, Provenance, Table, Thing, Visit};
 use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError};
 
 /// Numbers at and beyond the ends of ranges.
@@ -52,7 +52,7 @@ macro_rules! for_each_thing {
 fn plain_things_are_valid_and_read_back() {
     fn law<T: Clone + Debug + PartialEq>(thing: &Thing<T>) {
         let plain = (thing.plain)();
-        assert_eq!(thing.check(&plain, Counts::default()), Ok(()), "{}", thing.name);
+        assert_eq!(thing.check(&plain, &Counts::default()), Ok(()), "{}", thing.name);
         assert_eq!(read(thing, &thing.write(&plain)), Ok(plain.clone()), "{}", thing.name);
         assert_eq!(thing.write_changes(&plain, &plain), [], "{}", thing.name);
     }
@@ -93,7 +93,7 @@ fn tables_and_things_have_the_same_ranges() {
                 }
                 seen += 1;
             });
-            let checked = thing.check(&changed, Counts::default());
+            let checked = thing.check(&changed, &Counts::default());
             let read = read(thing, &thing.write(&changed));
             assert_eq!(read.is_ok(), checked.is_ok(), "{} {place} = {value}: {:?}", thing.name, read.err());
         }
