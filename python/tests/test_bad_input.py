@@ -303,3 +303,13 @@ def test_walks_return_finite_numbers_or_say_why(photons, radii, reference, g, et
         return
     for value in values:
         finite(value)
+
+
+def test_wrong_questions_are_refused_by_their_keys():
+    questions = translucid._translucid._wrong_questions()
+    assert len(questions) > 100
+    for name, said, key in questions:
+        with pytest.raises((TypeError, ValueError)) as raised:
+            translucid._translucid._ask(name, said)
+        message = str(raised.value)
+        assert key in message and ("must" in message or "need" in message), (name, said, message)

@@ -280,3 +280,38 @@ pub(crate) fn _ask<'py>(
     found.set_item("warnings", &answer.warnings)?;
     Ok(found)
 }
+
+/// Wrong questions of every question, for tests: its name, what is said, and the key whose value is wrong.
+#[pyfunction]
+pub(crate) fn _wrong_questions(
+    py: Python<'_>,
+) -> PyResult<Vec<(&'static str, Bound<'_, PyDict>, &'static str)>> {
+    let mut all = Vec::new();
+    for question in QUESTIONS {
+        for wrong in translucid_desk::wrong::wrong(question) {
+            let said = PyDict::new(py);
+            wrong.said.iter().try_for_each(|entry| said.set_item(&entry.key, object(py, &entry.value)?))?;
+            all.push((question.name(), said, wrong.key));
+        }
+    }
+    Ok(all)
+}
+
+/// A value as an object of Python's.
+fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Any<'py>> {
+    Ok(match &value.content {
+        Content::Flag(flag) => PyBool::new(py, *flag).to_owned().into_any(),
+        Content::Integer(n) => n.into_pyobject(py)?.into_any(),
+        Content::Float(x) => PyFloat::new(py, *x).into_any(),
+        Content::Text(text) => PyString::new(py, text).into_any(),
+        Content::List(list) => {
+            list.iter().map(|value| object(py, value)).collect::<PyResult<Vec<_>>>()?.into_pyobject(py)?
+        }
+        Content::Table(entries) => {
+            let table = PyDict::new(py);
+            entries.iter().try_for_each(|entry| table.set_item(&entry.key, object(py, &entry.value)?))?;
+            table.into_any()
+        }
+        Content::Numbers(_) | Content::Object(_) | Content::Other(_) => py.None().into_bound(py),
+    })
+}

@@ -46,6 +46,7 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("SceneError", module.py().get_type::<scene_error::SceneError>())?;
     for function in [
         wrap_pyfunction!(ask::_ask, module)?,
+        wrap_pyfunction!(ask::_wrong_questions, module)?,
         wrap_pyfunction!(fit::fit, module)?,
         wrap_pyfunction!(fit::fit_scaling, module)?,
         wrap_pyfunction!(convert::_convert, module)?,

@@ -115,3 +115,40 @@ fn list_of(list: Vec<Json>, kind: Option<&Kind>) -> Value {
         _ => values.into(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use translucid_desk::wrong::wrong;
+
+    use super::*;
+
+    /// A value as the package writes it.
+    fn written(value: &Value) -> Json {
+        match &value.content {
+            Content::Flag(flag) => json!(flag),
+            Content::Text(text) => json!(format!("'{text}")),
+            Content::List(list) => list.iter().map(written).collect(),
+            Content::Table(entries) => entries
+                .iter()
+                .map(|entry| (Spelling::Camel.of(&entry.key), written(&entry.value)))
+                .collect::<Map<_, _>>()
+                .into(),
+            _ => json!(format!("#{value}")),
+        }
+    }
+
+    #[test]
+    fn wrong_questions_are_refused_in_the_spelling_of_javascript() {
+        for question in QUESTIONS {
+            for wrong in wrong(question) {
+                let said = written(&wrong.said.clone().into());
+                let request = json!({ "question": format!("'{}", question.name()), "said": said });
+                let Err(message) = ask(Options::new("options", request).unwrap()) else {
+                    panic!("{}: {} may be {}", question.name(), wrong.key, wrong.value)
+                };
+                assert!(message.contains(&Spelling::Camel.of(wrong.key)), "{}: {message}", wrong.key);
+                assert!(message.contains("must") || message.contains("need"), "{}: {message}", wrong.key);
+            }
+        }
+    }
+}

@@ -33,3 +33,4 @@ mod stopped;
 mod tables;
 mod tev;
 mod watch;
+mod wrong;
