@@ -413,7 +413,7 @@ def test_phase_functions_of_walks_are_those_of_layers(phase_function):
     (lambda: walk(10).run(10, seed=-1), ValueError, "seed is -1"),
     (lambda: reference.layers([SKIN[1] | {3: 1.0}]), TypeError, r"layers\[0\] has the key 3, but keys are words"),
     (lambda: reference.layers(SKIN, tolerance=0.5), ValueError, r"tolerance is 0.5.* in \[1e-12, 0.1\]"),
-    (lambda: reference.layers_profile(1.0, SKIN, tolerance=1e-5), ValueError, r"tolerance is 1e-5.* in \[1e-4, 0.1\]"),
+    (lambda: reference.layers_profile(1.0, SKIN, tolerance=1e-5), ValueError, r"tolerance is 0.00001.* in \[1e-4, 0.1\]"),
 ])
 def test_layers_that_are_none_are_refused(call, error, words):
     with pytest.raises(error, match=words):

@@ -197,5 +197,5 @@ pub(crate) fn context() -> Context {
 /// What reading of a question begins with.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn context() -> Context {
-    Context::new(|path| translucid_load::load_toml(path), vary)
+    Context::new(translucid_load::load_toml, vary)
 }

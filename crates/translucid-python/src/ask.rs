@@ -90,9 +90,14 @@ impl<'py> Said<'py> {
         }
         match kind {
             Some(Kind::Document(_) | Kind::Table(_) | Kind::Tables(..) | Kind::Words(_) | Kind::Texts(_)) => {
-                let list = value
-                    .try_iter()
-                    .map_err(|_| PyTypeError::new_err(format!("{name} must be a list of dicts or a dict")))?;
+                let form = match kind {
+                    Some(Kind::Document(_)) => "a list of dicts, a dict, or the path of a file",
+                    Some(Kind::Table(_)) => "a dict",
+                    Some(Kind::Tables(..)) => "a list of dicts",
+                    _ => "a text or a list of them",
+                };
+                let list =
+                    value.try_iter().map_err(|_| PyTypeError::new_err(format!("{name} must be {form}")))?;
                 let own = kind.map(|kind| Kind::Table(keys_of_elements(kind).to_vec()));
                 let read = |(i, item): (usize, PyResult<Any<'py>>)| {
                     self.value(&format!("{name}[{i}]"), &item?, own.as_ref())
@@ -251,12 +256,13 @@ pub(crate) fn column<'py>(
 pub(crate) fn _ask<'py>(
     py: Python<'py>,
     name: &str,
-    arguments: HashMap<String, Any<'py>>,
+    arguments: &Bound<'py, PyDict>,
     threads: Option<usize>,
     progress: Option<&Any<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let question = question(name)?;
     let keys = question.keys();
+    let arguments: HashMap<String, Any<'py>> = arguments.extract()?;
     let mut arguments: Vec<(&str, Any<'py>)> =
         arguments.iter().map(|(name, value)| (name.as_str(), value.clone())).collect();
     arguments.sort_by_key(|(name, _)| keys.iter().position(|key| key.name == *name));

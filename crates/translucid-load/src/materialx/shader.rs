@@ -171,7 +171,7 @@ impl<'d> Reader<'_, 'd> {
         let [number, ..] = signal.factor;
         match (slot, signal.texture) {
             (SceneSlot::Number(slot, range) | SceneSlot::Length(slot, range), None) => {
-                *slot = within(number, range)
+                *slot = within(number, range);
             }
             (SceneSlot::Number(..) | SceneSlot::Length(..), Some(_)) => {
                 graph.give_up(input, "it may not vary over the surface here, but has an image");
