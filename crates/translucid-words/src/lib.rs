@@ -20,6 +20,7 @@ mod interval;
 mod table;
 mod thing;
 mod value;
+mod word;
 
 pub use ask::{
     Context, Described, Kind, Load, Parse, Placed, QuestionSlot, Questions, Varied, Vary, describe, document,
@@ -31,5 +32,6 @@ pub use data_table::{Cell, Column, DataTable, exact};
 pub use error::{Error, Place, Warning};
 pub use interval::{Interval, WholeInterval, check_index, refusal};
 pub use table::{Item, Provenance, Spelling, Table};
-pub use thing::{Choice, Fallback, Field, Key, Kinds, Rule, Slot, Thing, Word, is_same};
+pub use thing::{Fallback, Field, Key, Kinds, Rule, Slot, Thing, is_same};
 pub use value::{Content, Entry, Object, Value, digits, quoted};
+pub use word::{Choice, Word};

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use translucid_profile::nearest;
 
-use super::thing::Word;
 use super::value::{Content, Entry, Value};
+use super::word::Word;
 use crate::color::hexadecimal_color;
 use crate::interval::{Interval, WholeInterval};
 use crate::{Error, Place};

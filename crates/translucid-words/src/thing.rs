@@ -3,10 +3,6 @@
 //! From this one list follow reading, writing and checking a thing, the flags of a command, the arguments of a function,
 //! the rows of a page, and the tables of the guide.
 
-use translucid_display::ToneMapping;
-use translucid_profile::convention::Unit;
-use translucid_profile::{Configuration, Parameterization};
-
 use crate::Error;
 use crate::interval::refusal;
 use crate::table::{Item, Table};
@@ -138,68 +134,6 @@ pub enum Rule<T> {
     NotWith(&'static [&'static str], &'static str),
     /// A key is given only beside one of others.
     OnlyWith(&'static str, &'static [&'static str]),
-}
-
-/// A type whose values have names.
-pub trait Word: Copy + PartialEq + 'static {
-    /// Every value by its name.
-    const WORDS: &'static [(&'static str, Self)];
-}
-
-impl Word for Configuration {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
-}
-
-impl Word for Parameterization {
-    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
-}
-
-impl Word for Unit {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
-}
-
-impl Word for ToneMapping {
-    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
-}
-
-/// A value out of a few with names, whatever its type.
-pub trait Choice {
-    /// All names.
-    fn names(&self) -> Vec<&'static str>;
-    /// The name of the value; empty where there is none.
-    fn name(&self) -> &'static str;
-    /// Sets the value by the number of its name.
-    fn choose(&mut self, number: usize);
-}
-
-impl<T: Word> Choice for T {
-    fn names(&self) -> Vec<&'static str> {
-        T::WORDS.iter().map(|(name, _)| *name).collect()
-    }
-
-    fn name(&self) -> &'static str {
-        T::WORDS.iter().find(|(_, value)| value == self).map_or("", |(name, _)| name)
-    }
-
-    fn choose(&mut self, number: usize) {
-        *self = T::WORDS[number].1;
-    }
-}
-
-/// A choice that need not be made.
-impl<T: Word> Choice for Option<T> {
-    fn names(&self) -> Vec<&'static str> {
-        T::WORDS.iter().map(|(name, _)| *name).collect()
-    }
-
-    fn name(&self) -> &'static str {
-        self.as_ref().map_or("", Choice::name)
-    }
-
-    fn choose(&mut self, number: usize) {
-        *self = Some(T::WORDS[number].1);
-    }
 }
 
 impl<T, K: Kinds> Field<T, K> {

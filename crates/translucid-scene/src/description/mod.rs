@@ -7,6 +7,7 @@
 mod check;
 mod files;
 mod layers;
+mod parts;
 mod read;
 mod slot;
 #[cfg(test)]
@@ -14,8 +15,9 @@ mod tests;
 mod vectors;
 mod write;
 
-pub use check::{Counts, List, Part, Visit};
+pub use check::Visit;
 pub use files::{FileList, FileRequest, image_value};
+pub use parts::{Counts, List, Part};
 pub use read::{COLOR_KEYS, NORMAL_KEYS, SCALAR_KEYS, read_size};
 pub use slot::{Field, SceneSlot, Scenes, Thing};
 pub(crate) use translucid_words::field;

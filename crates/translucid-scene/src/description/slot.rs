@@ -3,8 +3,8 @@
 use glam::{Mat3, Vec2, Vec3};
 use translucid_words::{Choice, Entry, Error, Interval, Key, Kinds, Slot, Table, WholeInterval};
 
-use super::check::Counts;
 use super::files::FileList;
+use super::parts::Counts;
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SubsurfaceLayer, SubsurfaceModel};
 
 /// The family of a scene's things.
