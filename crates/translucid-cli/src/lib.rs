@@ -71,6 +71,8 @@ enum Verb {
     Profile(profile::ProfileArguments),
     Sample(sample::SampleArguments),
     Reference(reference::ReferenceArguments),
+    #[command(flatten)]
+    Asked(ask::Asked),
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
@@ -85,8 +87,6 @@ enum Verb {
     /// Lists who can trace paths for `render` and walk photons for `reference`, by `--device`
     Devices,
     Completions(completions::CompletionsArguments),
-    #[command(flatten)]
-    Asked(ask::Asked),
 }
 
 /// Words that the command without any is short for.

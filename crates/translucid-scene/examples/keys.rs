@@ -51,7 +51,7 @@ fn pages() -> Result<Vec<(PathBuf, String, String)>, String> {
         ("film", table(Film::DESCRIPTION.fields, Film::default(), &[], &[])),
         ("integrator", table(Integrator::DESCRIPTION.fields, Integrator::default(), &[], &[])),
         ("material", table(Material::DESCRIPTION.fields, Material::default(), Material::ORIGIN_KEYS, &[])),
-        ("layer", table(&[], (), SubsurfaceLayer::KEYS, &[])),
+        ("layer", layers()),
         ("object", table(&[], (), Object::KEYS, &[])),
         ("light", lights()),
         ("environment", table(Environment::DESCRIPTION.fields, Environment::default(), &[], &[])),
@@ -97,6 +97,15 @@ fn table<T>(fields: &[Field<T>], mut plain: T, before: &[Key], after: &[Key]) ->
     text
 }
 
+fn layers() -> String {
+    let mut text = String::from("| key | value | default |\n|---|---|---|\n");
+    for field in SubsurfaceLayer::fields() {
+        let mut plain = SubsurfaceLayer::plain_of(field.key());
+        text += &row(&field.keys[0], (field.slot)(&mut plain), field.keys);
+    }
+    text
+}
+
 fn row(key: &Key, slot: SceneSlot<'_>, keys: &'static [Key]) -> String {
     let doc = key.doc.replace("{range}", &range(&slot)).replace("{words}", &words(&slot).join(", "));
     let default = match key.fallback {
@@ -121,6 +130,8 @@ fn range(slot: &SceneSlot<'_>) -> String {
         | SceneSlot::Angle(_, range)
         | SceneSlot::Pair(_, range)
         | SceneSlot::Scalar(_, range)
+        | SceneSlot::Rgb(_, range)
+        | SceneSlot::Triple(_, range)
         | SceneSlot::Color(_, range) => format!("in {range}"),
         SceneSlot::Count(_, range) => range.to_string(),
         SceneSlot::Size(_, range) => format!("in [{}, {}]", range.low, range.high),

@@ -32,6 +32,6 @@ pub use data_table::{Cell, Column, DataTable, exact};
 pub use error::{Error, Place, Warning};
 pub use interval::{Interval, WholeInterval, check_index, refusal};
 pub use table::{Item, Provenance, Spelling, Table};
-pub use thing::{Fallback, Field, Key, Kinds, Rule, Slot, Thing, is_same};
+pub use thing::{Fallback, Field, Key, Kinds, Rule, Slot, Thing, is_same, one_of};
 pub use value::{Content, Entry, Object, Value, digits, quoted};
 pub use word::{Choice, Word};

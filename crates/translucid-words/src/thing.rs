@@ -230,7 +230,7 @@ impl<T: Clone, K: Kinds> Thing<T, K> {
     fn keep_company(&self, table: &Table<'_>) -> Result<(), Error> {
         self.rules.iter().try_for_each(|rule| match rule {
             Rule::Holds { .. } => Ok(()),
-            Rule::OneOf(groups) => one_of(table, groups),
+            Rule::OneOf(groups) => one_of(table, groups).map(drop),
             Rule::NotWith(keys, help) => {
                 let mut given = keys.iter().filter_map(|key| table.get(key));
                 match (given.next(), given.next()) {
@@ -309,17 +309,20 @@ impl<T: Clone, K: Kinds> Thing<T, K> {
     }
 }
 
-/// Refuses keys of two groups, or a group that is not whole.
-fn one_of(table: &Table<'_>, groups: &[&[&'static str]]) -> Result<(), Error> {
+/// The number of the group of keys that is given, alone and whole.
+///
+/// # Errors
+/// There is none, there are two, or a key of it is missing.
+pub fn one_of(table: &Table<'_>, groups: &[&[&'static str]]) -> Result<usize, Error> {
     let first = |group: &&[&'static str]| group.iter().find_map(|key| table.get(key));
-    let mut given = groups.iter().filter_map(|group| Some((group, first(group)?)));
+    let mut given = groups.iter().enumerate().filter_map(|(i, group)| Some((i, first(group)?)));
     let list =
         |keys: &&[&'static str]| keys.iter().map(|key| table.name_of(key)).collect::<Vec<_>>().join(" and ");
     match (given.next(), given.next()) {
         (Some((_, one)), Some((_, other))) => Err(beside(&one, &other)),
-        (Some((group, one)), None) => match group.iter().find(|key| table.get(key).is_none()) {
+        (Some((i, one)), None) => match groups[i].iter().find(|key| table.get(key).is_none()) {
             Some(key) => Err(one.error(format!("{} needs {} beside it", one.path(), table.name_of(key)))),
-            None => Ok(()),
+            None => Ok(i),
         },
         (None, _) => {
             let all: Vec<String> = groups.iter().map(list).collect();

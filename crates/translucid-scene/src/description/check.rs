@@ -6,24 +6,10 @@ use glam::Affine2;
 
 use super::layers::visit_layers;
 use super::parts::{Counts, List, Part};
-use super::slot::{SceneSlot, Thing};
+use super::slot::SceneSlot;
 use crate::placement::{check_edges, check_unit, is_rotation};
 use crate::{ColorInput, NormalMap, Projection, ScalarInput, SceneError, SubsurfaceModel, TextureRef};
 use translucid_words::{Interval, check_index, refusal};
-
-/// Things whose numbers can be visited.
-pub trait Visit<T> {
-    /// Visits every number of a thing, by its name: `position[1]`.
-    fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>));
-}
-
-impl<T> Visit<T> for Thing<T> {
-    fn visit(&self, thing: &mut T, visit: &mut dyn FnMut(&str, Part<'_>)) {
-        for field in self.fields {
-            (field.slot)(thing).visit(field.key(), visit);
-        }
-    }
-}
 
 impl Part<'_> {
     fn check(&self, name: &str, counts: Counts) -> Result<(), SceneError> {
@@ -55,6 +41,9 @@ impl SceneSlot<'_> {
             Self::Point(point) => visit_all(key, point.as_mut(), Interval::PLACE, visit),
             Self::Vector(vector) => visit_all(key, vector.as_mut(), Interval::DIRECTION, visit),
             Self::Direction(vector, _) => visit_all("direction", vector.as_mut(), Interval::DIRECTION, visit),
+            Self::Rgb(color, range) | Self::Triple(color, range) => {
+                visit_all(key, color.as_mut(), *range, visit);
+            }
             Self::Radiance(color) | Self::Power(color) => {
                 visit_all(key, color.as_mut(), Interval::LIGHT, visit);
             }
@@ -100,9 +89,7 @@ impl SceneSlot<'_> {
             }
             Self::Model(_) => {}
             Self::Layers(layers) => {
-                visit_layers(key, layers, &mut |name, number, range| {
-                    visit(name, Part::Number(number, range));
-                });
+                visit_layers(key, layers, visit);
             }
         }
     }

@@ -1,135 +1,123 @@
 //! The layers below a surface: `[[material.layer]]`.
 
+use std::mem::discriminant;
+
 use glam::Vec3;
-use translucid_words::{Content, Entry, Fallback, Interval, Item, Key, Table, Value};
+use translucid_words::{Content, Error, Fallback, Interval, Item, Key, Table, Value, field, one_of};
 
-use super::vectors::Vectors;
-use crate::{LayerMedium, SceneError, SubsurfaceLayer};
+use super::files::FileList;
+use super::parts::Part;
+use super::slot::{Field, SceneSlot, Thing};
+use super::visit::Visit;
+use crate::{LayerMedium, SubsurfaceLayer};
 
-const THICKNESS: Interval = Interval::above(0.0, 1e9);
+use Fallback::{Number, Required, Words};
+
 const MFP: Interval = Interval::closed(1e-9, 1e9);
 const COEFFICIENT: Interval = Interval::closed(0.0, 1e9);
-const COSINE: Interval = Interval::open(-1.0, 1.0);
-/// Mean cosines for which a surface albedo is known.
-const COSINE_OF_ALBEDO: Interval = Interval::closed(-0.95, 0.95);
+
+const THICKNESS: Field<SubsurfaceLayer> = field!(
+    SubsurfaceLayer { thickness } => SceneSlot::Length(thickness, Interval::above(0.0, 1e9)),
+    "length {range}: how far from the last layer, or the surface, the layer reaches", Required);
+
+/// A field of the medium of some layers.
+const fn placed(
+    keys: &'static [Key],
+    slot: fn(&mut SubsurfaceLayer) -> SceneSlot<'_>,
+) -> Field<SubsurfaceLayer> {
+    Field { keys, slot, when_given: None, when_missing: None }
+}
+
+/// Keys of a medium, by kind of layer.
+const GROUPS: [&[&str]; 2] = [&["surface_albedo", "mfp"], &["scattering", "absorption"]];
+
+/// Layers by what an endless one looks like, and by their coefficients.
+const KINDS: [&Thing<SubsurfaceLayer>; 2] = [&APPEARANCE, &COEFFICIENTS];
+
+#[rustfmt::skip]
+const APPEARANCE: Thing<SubsurfaceLayer> = Thing {
+    name: "layer",
+    doc: "a layer by what an endless one looks like",
+    plain: || SubsurfaceLayer {
+        thickness: 1.0,
+        medium: LayerMedium::Appearance { surface_albedo: Vec3::splat(0.5), mfp: Vec3::ONE },
+        g: 0.0,
+    },
+    fields: &[
+        THICKNESS,
+        placed(&[Key::new("surface_albedo", "color {range}, with `mfp`: the share of diffuse light that an endless layer of this medium would return without a boundary", Words("must be given, or `scattering`"))],
+            |layer| match &mut layer.medium {
+                LayerMedium::Appearance { surface_albedo, .. } => SceneSlot::Rgb(surface_albedo, Interval::UNIT),
+                LayerMedium::Coefficients { .. } => SceneSlot::Absent,
+            }),
+        placed(&[Key::new("mfp", "color, a length {range}: mean free path of each channel", Words("–"))],
+            |layer| match &mut layer.medium {
+                LayerMedium::Appearance { mfp, .. } => SceneSlot::Triple(mfp, MFP),
+                LayerMedium::Coefficients { .. } => SceneSlot::Absent,
+            }),
+        // Those for which a surface albedo is known
+        field!(SubsurfaceLayer { g } => SceneSlot::Number(g, Interval::closed(-0.95, 0.95)),
+            "number in (-1, 1), beside `surface_albedo` {range}: mean cosine of the phase function", Number(0.0)),
+    ],
+    rules: &[],
+};
+
+#[rustfmt::skip]
+const COEFFICIENTS: Thing<SubsurfaceLayer> = Thing {
+    name: "layer",
+    doc: "a layer by its coefficients",
+    plain: || SubsurfaceLayer {
+        thickness: 1.0,
+        medium: LayerMedium::Coefficients { scattering: Vec3::ONE, absorption: Vec3::ZERO },
+        g: 0.0,
+    },
+    fields: &[
+        THICKNESS,
+        placed(&[Key::new("scattering", "color {range}, with `absorption`: coefficient σ_s of each channel, per unit of length", Words("–"))],
+            |layer| match &mut layer.medium {
+                LayerMedium::Coefficients { scattering, .. } => SceneSlot::Triple(scattering, COEFFICIENT),
+                LayerMedium::Appearance { .. } => SceneSlot::Absent,
+            }),
+        placed(&[Key::new("absorption", "color {range}: coefficient σ_a of each channel, per unit of length", Words("–"))],
+            |layer| match &mut layer.medium {
+                LayerMedium::Coefficients { absorption, .. } => SceneSlot::Triple(absorption, COEFFICIENT),
+                LayerMedium::Appearance { .. } => SceneSlot::Absent,
+            }),
+        field!(SubsurfaceLayer { g } => SceneSlot::Number(g, Interval::open(-1.0, 1.0)), "number {range}", Number(0.0)),
+    ],
+    rules: &[],
+};
 
 impl SubsurfaceLayer {
-    /// The keys of a layer.
-    pub const KEYS: &[Key] = &[
-        Key::new(
-            "thickness",
-            "length in (0, 1e9]: how far from the last layer, or the surface, the layer reaches",
-            Fallback::Required,
-        ),
-        Key::new(
-            "surface_albedo",
-            "color in [0, 1], with `mfp`: the share of diffuse light that an endless layer of this medium would return without a boundary",
-            Fallback::Words("must be given, or `scattering`"),
-        ),
-        Key::new(
-            "mfp",
-            "color, a length in [1e-9, 1e9]: mean free path of each channel",
-            Fallback::Words("–"),
-        ),
-        Key::new(
-            "scattering",
-            "color in [0, 1e9], with `absorption`: coefficient σ_s of each channel, per unit of length",
-            Fallback::Words("–"),
-        ),
-        Key::new(
-            "absorption",
-            "color in [0, 1e9]: coefficient σ_a of each channel, per unit of length",
-            Fallback::Words("–"),
-        ),
-        Key::new(
-            "g",
-            "number in (-1, 1), beside `surface_albedo` in [-0.95, 0.95]: mean cosine of the phase function",
-            Fallback::Number(0.0),
-        ),
-    ];
-
-    /// The mean cosines that are allowed.
-    fn cosines(&self) -> Interval {
-        match self.medium {
-            LayerMedium::Appearance { .. } => COSINE_OF_ALBEDO,
-            LayerMedium::Coefficients { .. } => COSINE,
-        }
+    /// The fields of layers, those of a medium of each kind among them.
+    pub fn fields() -> [&'static Field<Self>; 6] {
+        let [[thickness, albedo, mfp, g], [_, scattering, absorption, _]] = KINDS.map(|kind| {
+            let [a, b, c, d] = kind.fields else { unreachable!("each kind has four fields") };
+            [a, b, c, d]
+        });
+        [thickness, albedo, mfp, scattering, absorption, g]
     }
 
-    fn read(table: Table<'_>) -> Result<Self, SceneError> {
-        let keys: Vec<&str> = Self::KEYS.iter().map(|key| key.name).collect();
+    /// A layer with the fields of a key's kind.
+    pub fn plain_of(key: &str) -> Self {
+        (KINDS[usize::from(GROUPS[1].contains(&key))].plain)()
+    }
+
+    fn kind(&self) -> &'static Thing<Self> {
+        let is_own =
+            |kind: &&&Thing<Self>| discriminant(&(kind.plain)().medium) == discriminant(&self.medium);
+        KINDS.iter().find(is_own).expect("every medium has a kind")
+    }
+
+    fn read(table: Table<'_>) -> Result<Self, Error> {
+        let keys = Self::fields().map(|field| field.key());
         let table = table.allow(&keys)?;
-        let numbers = |key, range: Interval| match table.require(key)? {
-            item if item.as_text().is_some() => Err(item.mismatch("a number or three numbers")),
-            item => item.color(range),
-        };
-        let thickness = table.require("thickness")?.number(THICKNESS)?;
-        let has_albedo = table.get("surface_albedo").or(table.get("mfp"));
-        let has_coefficients = table.get("scattering").or(table.get("absorption"));
-        let medium = match (has_albedo, has_coefficients) {
-            (Some(_), None) => LayerMedium::Appearance {
-                surface_albedo: table.require("surface_albedo")?.color(Interval::UNIT)?,
-                mfp: numbers("mfp", MFP)?,
-            },
-            (None, Some(_)) => LayerMedium::Coefficients {
-                scattering: numbers("scattering", COEFFICIENT)?,
-                absorption: numbers("absorption", COEFFICIENT)?,
-            },
-            (Some(one), Some(other)) => {
-                let message = format!(
-                    "{} and {} are given, but a layer has surface_albedo and mfp, or scattering and absorption",
-                    one.path(),
-                    other.path()
-                );
-                return Err(other.error(message));
-            }
-            (None, None) => {
-                let path = table.path();
-                let message = format!("{path} needs surface_albedo and mfp, or scattering and absorption");
-                return Err(table.error(message));
-            }
-        };
-        let layer = Self { thickness, medium, g: 0.0 };
-        Ok(Self { g: table.read("g", 0.0, |item| item.number(layer.cosines()))?, ..layer })
-    }
-
-    fn write(&self) -> Value {
-        let medium = match self.medium {
-            LayerMedium::Appearance { surface_albedo, mfp } => {
-                [("surface_albedo", surface_albedo), ("mfp", mfp)]
-            }
-            LayerMedium::Coefficients { scattering, absorption } => {
-                [("scattering", scattering), ("absorption", absorption)]
-            }
-        };
-        let mut entries = vec![Entry::new("thickness", self.thickness)];
-        entries.extend(medium.map(|(key, color)| Entry::new(key, Value::color(color.to_array()))));
-        entries.push(Entry::new("g", self.g));
-        entries.into()
-    }
-
-    fn visit(&mut self, name: &str, visit: &mut dyn FnMut(&str, &mut f32, Interval)) {
-        let cosines = self.cosines();
-        let colors: [(&str, &mut Vec3, Interval); 2] = match &mut self.medium {
-            LayerMedium::Appearance { surface_albedo, mfp } => {
-                [("surface_albedo", surface_albedo, Interval::UNIT), ("mfp", mfp, MFP)]
-            }
-            LayerMedium::Coefficients { scattering, absorption } => {
-                [("scattering", scattering, COEFFICIENT), ("absorption", absorption, COEFFICIENT)]
-            }
-        };
-        visit(&format!("{name}.thickness"), &mut self.thickness, THICKNESS);
-        for (key, color, range) in colors {
-            for (c, number) in color.as_mut().iter_mut().enumerate() {
-                visit(&format!("{name}.{key}[{c}]"), number, range);
-            }
-        }
-        visit(&format!("{name}.g"), &mut self.g, cosines);
+        KINDS[one_of(&table, &GROUPS)?].read(&table, &mut FileList::default())
     }
 }
 
 /// Layers from the surface inwards; the word "none" takes away those of a base.
-pub(super) fn read_layers(item: &Item<'_>) -> Result<Vec<SubsurfaceLayer>, SceneError> {
+pub(super) fn read_layers(item: &Item<'_>) -> Result<Vec<SubsurfaceLayer>, Error> {
     match item.content() {
         Content::Text(_) if item.is_none() => Ok(Vec::new()),
         Content::List(list) if list.is_empty() => Err(item.refuse("one layer or more, or \"none\"")),
@@ -145,16 +133,12 @@ pub(super) fn write_layers(layers: &[SubsurfaceLayer]) -> Value {
     if layers.is_empty() {
         return "none".into();
     }
-    layers.iter().map(SubsurfaceLayer::write).collect::<Vec<_>>().into()
+    layers.iter().map(|layer| layer.kind().write(layer).into()).collect::<Vec<Value>>().into()
 }
 
 /// Visits every number of layers.
-pub(super) fn visit_layers(
-    key: &str,
-    layers: &mut [SubsurfaceLayer],
-    visit: &mut dyn FnMut(&str, &mut f32, Interval),
-) {
+pub(super) fn visit_layers(key: &str, layers: &mut [SubsurfaceLayer], visit: &mut dyn FnMut(&str, Part<'_>)) {
     for (number, layer) in layers.iter_mut().enumerate() {
-        layer.visit(&format!("{key}[{number}]"), visit);
+        layer.kind().visit(layer, &mut |name, part| visit(&format!("{key}[{number}].{name}"), part));
     }
 }

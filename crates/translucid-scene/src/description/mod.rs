@@ -13,9 +13,9 @@ mod slot;
 #[cfg(test)]
 mod tests;
 mod vectors;
+mod visit;
 mod write;
 
-pub use check::Visit;
 pub use files::{FileList, FileRequest, image_value};
 pub use parts::{Counts, List, Part};
 pub use read::{COLOR_KEYS, NORMAL_KEYS, SCALAR_KEYS, read_size};
@@ -26,3 +26,4 @@ pub use translucid_words::{
     hexadecimal_color, linear_from_srgb, quoted,
 };
 pub use vectors::Vectors;
+pub use visit::Visit;

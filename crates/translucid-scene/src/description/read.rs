@@ -56,6 +56,11 @@ impl SceneSlot<'_> {
             Self::Pair(pair, range) => *pair = item.vec2(range)?,
             Self::Point(point) => *point = item.point()?,
             Self::Vector(vector) => *vector = item.vec3(Interval::DIRECTION)?,
+            Self::Rgb(color, range) => *color = item.color(range)?,
+            Self::Triple(_, _) if item.as_text().is_some() => {
+                return Err(item.mismatch("a number or three numbers"));
+            }
+            Self::Triple(numbers, range) => *numbers = item.color(range)?,
             Self::Radiance(color) | Self::Power(color) => *color = item.color(Interval::LIGHT)?,
             Self::Scalar(input, range) => *input = read_scalar(item, *input, range, files)?,
             Self::Color(input, range) => *input = read_color(item, *input, range, files)?,

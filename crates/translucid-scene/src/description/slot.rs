@@ -48,6 +48,10 @@ pub enum SceneSlot<'a> {
     Point(&'a mut Vec3),
     /// A direction of any length.
     Vector(&'a mut Vec3),
+    /// A color: a number, three numbers, or `"#rrggbb"`.
+    Rgb(&'a mut Vec3, Interval),
+    /// A number, or three for red, green and blue.
+    Triple(&'a mut Vec3, Interval),
     /// A color of radiance or irradiance, which is as bright in a scene of any size.
     Radiance(&'a mut Vec3),
     /// A color of intensity or power, which grows with the square of a scene's size.

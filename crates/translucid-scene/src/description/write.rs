@@ -23,7 +23,9 @@ impl SceneSlot<'_> {
             Self::Number(x, _) | Self::Length(x, _) | Self::Angle(x, _) => (*x).into(),
             Self::Pair(pair, _) => Value::list(&pair.to_array()),
             Self::Point(vector) | Self::Vector(vector) => vector.to_array().into(),
-            Self::Radiance(color) | Self::Power(color) => Value::color(color.to_array()),
+            Self::Rgb(color, _) | Self::Triple(color, _) | Self::Radiance(color) | Self::Power(color) => {
+                Value::color(color.to_array())
+            }
             Self::Scalar(input, _) => input.factor.into(),
             Self::Color(input, _) => Value::color(input.factor.to_array()),
             Self::Direction(direction, _) => return vec![direction_entry(*direction)],

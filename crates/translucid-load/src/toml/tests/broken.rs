@@ -245,14 +245,11 @@ fn broken_layers_are_refused() {
     let message = "material[0].layer[0].absorption is -1, but must be in [0, 1e9]";
     refuse_layer("scattering = 1\nabsorption = -1\nthickness = 1", message, "-1");
     refuse_layer(medium, "material[0].layer[0] needs the key thickness", "[[material.layer]]");
-    refuse_layer(
-        "thickness = 1\nmfp = 1",
-        "material[0].layer[0] needs the key surface_albedo",
-        "[[material.layer]]",
-    );
+    let message = "material[0].layer[0].mfp needs surface_albedo beside it";
+    refuse_layer("thickness = 1\nmfp = 1", message, "1");
     let message = "material[0].layer[0] needs surface_albedo and mfp, or scattering and absorption";
     refuse_layer("thickness = 1", message, "[[material.layer]]");
-    let message = "material[0].layer[0].mfp and material[0].layer[0].scattering are given, but a layer has surface_albedo and mfp, or scattering and absorption";
+    let message = "material[0].layer[0].mfp and material[0].layer[0].scattering are given, but only one of them must be";
     refuse_layer("thickness = 1\nmfp = 1\nscattering = 2", message, "2");
     let message = "material[0].layer is [], but must be one layer or more, or \"none\"";
     refuse_material("layer = []", message, "[]", "");
