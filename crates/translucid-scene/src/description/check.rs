@@ -26,7 +26,7 @@ impl Part<'_> {
 
 impl SceneSlot<'_> {
     /// Visits every number, by its name.
-    fn visit(&mut self, key: &str, visit: &mut dyn FnMut(&str, Part<'_>)) {
+    pub(super) fn visit(&mut self, key: &str, visit: &mut dyn FnMut(&str, Part<'_>)) {
         match self {
             Self::Absent | Self::Flag(_) | Self::Seed(_) | Self::Word(_) => {}
             Self::Count(n, range) => visit(key, Part::Count(n, *range)),
