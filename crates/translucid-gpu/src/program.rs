@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use translucid_render::device::DeviceCamera;
+use translucid_render::device::{DeviceCamera, shader_constants};
 use translucid_render::{PixelSample, View};
 
 /// The shaders of paths, in the order in which they read best.
@@ -54,9 +54,21 @@ pub const LIGHT_SHADERS: [&str; 14] = [
     include_str!("picture/shaders/light_tables.wgsl"),
 ];
 
-/// All shaders, and the formulas of directional models, which exports have.
+/// All shaders, the constants that they share with Rust, and the formulas of directional models, which exports have.
 pub fn text() -> String {
-    PATH_SHADERS.concat() + &LIGHT_SHADERS.concat() + &translucid_export::directional_formulas()
+    let shaders = PATH_SHADERS.concat() + &LIGHT_SHADERS.concat();
+    constants() + &shaders + &translucid_export::directional_formulas()
+}
+
+/// Constants that Rust and the shaders share, as text: those of the scene's words, of samples and of counters.
+pub fn constants() -> String {
+    let own = [
+        ("SAMPLE_WORDS", SAMPLE_WORDS),
+        ("COUNTERS", COUNTERS as usize),
+        ("FIRST_LIST", LIST_COUNTERS.start as usize),
+    ];
+    let own = own.map(|(name, value)| (name.to_owned(), value));
+    shader_constants().chain(own).map(|(name, value)| format!("const {name} = {value}u;\n")).collect()
 }
 
 /// The kernels of a round, and how many slots one invocation each they need.

@@ -11,7 +11,7 @@ use translucid_render::measure::LightSample;
 use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;
-use crate::program::LIGHT_SHADERS;
+use crate::program::{LIGHT_SHADERS, constants};
 use scenes::{Case, RED, all_kinds, by_power, delta_lights, many, maps, single_lights};
 
 /// Words before those of the lights: they need not stand first.
@@ -21,7 +21,8 @@ const BEFORE: usize = 3;
 fn run(words: &LightWords, body: &str, widths: [usize; 2], inputs: &[f32]) -> Vec<f32> {
     let tables = [vec![7.0; BEFORE], words.tables.clone()].concat();
     let body = format!("lights_at = {BEFORE}u;\n{body}");
-    let shaders = [&["const PI = 3.14159265358979f;\n"][..], &LIGHT_SHADERS].concat();
+    let constants = constants();
+    let shaders = [&["const PI = 3.14159265358979f;\n", &constants][..], &LIGHT_SHADERS].concat();
     Evaluation { shaders: &shaders, body: &body, tables: &tables, images: &words.images, widths }.run(inputs)
 }
 

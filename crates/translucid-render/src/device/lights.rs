@@ -60,14 +60,13 @@ const SKY: usize = 7;
 const MAP: usize = 8;
 
 /// These constants by their names in the shaders.
-pub(super) const LIGHT_CONSTANTS: [(&str, usize); 18] = [
+pub(super) const LIGHT_CONSTANTS: [(&str, usize); 16] = [
     ("LIGHT_HEADER", HEADER),
     ("LIGHT_WORDS", LIGHT_WORDS),
     ("LIGHT_TRIANGLE_WORDS", TRIANGLE_WORDS),
     ("MAP_HEADER", MAP_HEADER),
     ("MOST_WEIGHED", MOST_WEIGHED),
     ("BY_POWER", BY_POWER),
-    ("WEIGHED", WEIGHED),
     ("BY_TREE", BY_TREE),
     ("TREE_LANE", LANE_WORDS),
     ("LIGHT_RECTANGLE", RECTANGLE),
@@ -75,7 +74,6 @@ pub(super) const LIGHT_CONSTANTS: [(&str, usize); 18] = [
     ("LIGHT_SPHERE", SPHERE),
     ("LIGHT_SPOT", SPOT),
     ("LIGHT_BEAM", BEAM),
-    ("LIGHT_DISTANT", DISTANT),
     ("LIGHT_DISC", DISC),
     ("LIGHT_SKY", SKY),
     ("LIGHT_MAP", MAP),

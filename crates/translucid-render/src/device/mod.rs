@@ -5,8 +5,8 @@
 //! view → DeviceCamera ──────────────────┴→ TracingDevice::trace → samples of pixels → film
 //! ```
 //!
-//! The meaning of every word is stated once here, and its place has the same name in the shaders. Whatever a scene needs and
-//! devices lack is refused by name.
+//! The meaning of every word is stated once here, and its place is a constant of the shaders ([`shader_constants`]). Whatever a
+//! scene needs and devices lack is refused by name.
 
 mod camera;
 mod constants;
@@ -14,6 +14,7 @@ mod images;
 mod instances;
 mod lights;
 mod limits;
+mod material_words;
 mod materials;
 mod scene;
 mod tables;

@@ -9,11 +9,11 @@ use translucid_scene::{SceneError, SubsurfaceMethod};
 use super::images;
 use super::lights::lights;
 use super::limits::DeviceLimits;
-use super::materials::{Materials, TEXTURE_WORDS, has_varied_emission};
+use super::materials::{Materials, has_varied_emission};
 use super::tables::material_tables;
 use super::tree::DeviceTrees;
 use super::triangles::{NODE_WORDS, TRIANGLE_WORDS, Triangles};
-use crate::render::{FILTER_TABLE, PreparedScene, View};
+use crate::render::{PreparedScene, View};
 
 /// Bits of a sample's number that its numbers are stratified over.
 const SAMPLE_BITS: u32 = 16;
@@ -24,22 +24,16 @@ const MOST_NUMBERS: u64 = 1 << 24;
 #[derive(Clone, Copy, Debug)]
 #[repr(usize)]
 pub enum Header {
-    /// Where materials begin, and the words of one.
+    /// Where materials begin.
     Materials,
-    /// Words of a material.
-    MaterialWords,
     /// Where textures begin.
     Textures,
-    /// Words of a texture.
-    TextureWords,
     /// Where tables of media begin.
     Media,
     /// Where lights begin.
     Lights,
-    /// Where the inverse distribution of the pixel filter begins, and its number of intervals.
+    /// Where the inverse distribution of the pixel filter begins.
     Filter,
-    /// Intervals of the filter.
-    FilterIntervals,
     /// Where the directions of Sobol's sequence begin: bits of four dimensions in halves, the lower first.
     Sobol,
     /// Where the places of images begin among the images.
@@ -171,13 +165,10 @@ impl DeviceScene {
         let layout = triangles.layout;
         let header = [
             (Header::Materials, append(&materials.words)),
-            (Header::MaterialWords, Materials::WORDS as f32),
             (Header::Textures, append(&materials.textures)),
-            (Header::TextureWords, TEXTURE_WORDS as f32),
             (Header::Media, append(&materials.medium_tables)),
             (Header::Lights, append(&lights.tables)),
             (Header::Filter, append(view.filter())),
-            (Header::FilterIntervals, FILTER_TABLE as f32),
             (Header::Sobol, append(&sobol.collect::<Vec<f32>>())),
             (Header::Images, images::append(scene.images.iter().map(AsRef::as_ref), &mut images)? as f32),
             (Header::MaxDepth, integrator.max_depth as f32),

@@ -1,9 +1,8 @@
 // Rays of the camera, and samples that are done.
 
 fn filter_offset(u: f32) -> f32 {
-    let intervals = head(FILTER_INTERVALS);
-    let place = u * f32(intervals);
-    let index = min(u32(place), intervals - 1u);
+    let place = u * f32(FILTER_INTERVALS);
+    let index = min(u32(place), FILTER_INTERVALS - 1u);
     let at = head(FILTER) + index;
     return mix(tables[at], tables[at + 1u], place - f32(index));
 }
@@ -62,8 +61,6 @@ fn begin(slot: u32, item: u32) {
 fn in_world(v: vec3f) -> vec3f {
     return settings.right * v.x + settings.down * v.y + settings.forward * v.z;
 }
-
-const SAMPLE_WORDS = 20u;
 
 fn write_sample(item: u32, found: Found) {
     let at = item * SAMPLE_WORDS;

@@ -5,7 +5,6 @@
 
 // Rows of an instance; those of all stand before the nodes. Three are the columns of the map into the mesh's space, the next is
 // its origin in the world, three are the columns of the map back.
-const INSTANCE_ROWS = 8u;
 const FROM_WORLD = 0u;
 const ORIGIN = 3u;
 const TO_WORLD = 4u;

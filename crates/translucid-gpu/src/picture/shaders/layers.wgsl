@@ -44,7 +44,7 @@ struct Flight {
 }
 
 fn shell_words(material: u32) -> u32 {
-    return head(MEDIA) + u32(tables[material_at(material) + MEDIUM]) + 2u * (u32(ALBEDOS) + 1u);
+    return head(MEDIA) + u32(tables[material_at(material) + MEDIUM]) + 2u * (ALBEDOS + 1u);
 }
 
 // The shells of a material around its own medium, for a body with such rounding errors of positions.

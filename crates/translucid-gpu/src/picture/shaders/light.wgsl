@@ -9,22 +9,6 @@
 
 var<private> lights_at: u32;
 
-// Words of the head, of a placed light and of an emissive triangle.
-const LIGHT_HEADER = 15u;
-const LIGHT_WORDS = 19u;
-const LIGHT_TRIANGLE_WORDS = 13u;
-
-// Kinds of placed lights.
-const LIGHT_RECTANGLE = 0u;
-const LIGHT_ELLIPSE = 1u;
-const LIGHT_SPHERE = 2u;
-const LIGHT_SPOT = 3u;
-const LIGHT_BEAM = 4u;
-const LIGHT_DISTANT = 5u;
-const LIGHT_DISC = 6u;
-const LIGHT_SKY = 7u;
-const LIGHT_MAP = 8u;
-
 // The number of a triangle that is none.
 const NO_TRIANGLE = 0xffffffffu;
 // The distance of what is infinitely far, and of a ray without an end.

@@ -1,12 +1,6 @@
 // Selection of the light to sample: few lights in proportion to their importance for the point at hand, many by a tree, and
 // those that no tree can hold beside it; too many of these by their power.
 
-// Up to this many lights are weighed one by one for each point.
-const MOST_WEIGHED = 32u;
-// Ways to select.
-const BY_POWER = 0u;
-const WEIGHED = 1u;
-const BY_TREE = 2u;
 // Share of the samples that goes evenly to all lights that can contribute, in case the important ones are hidden.
 const EVEN_SHARE = 0.1f;
 // Importances beyond these are as good as equal, and their sums stay in range.

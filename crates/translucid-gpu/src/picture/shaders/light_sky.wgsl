@@ -4,9 +4,6 @@
 // in it, then a cell of the row, then a direction uniform in solid angle within the cell: the density is constant in a cell.
 // Unlike those of the processor the tables know nothing of the normal.
 
-// Words of an image's tables, before two for each edge of a row of cells and then one for each row.
-const MAP_HEADER = 24u;
-
 struct MapPlace {
     // Image coordinates in [0, 1], v downward.
     u: f32,

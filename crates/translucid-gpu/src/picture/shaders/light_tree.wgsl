@@ -5,10 +5,9 @@
 // The tree is the processor's, and so is the weight of a cluster. The choice begins at the root; a light is weighed as a
 // cluster of one.
 
-// Children of a node, and words of one: center, half size, radius, axis, cosine and sine of θ_o, cosine of θ_e, strength,
+// Children of a node; the words of one are center, half size, radius, axis, cosine and sine of θ_o, cosine of θ_e, strength,
 // mean, lean, alike, child (0 none, a node's number + 1, −(a light's number + 1)).
 const TREE_WIDTH = 8u;
-const TREE_LANE = 20u;
 // Nodes from the root to a light, at most.
 const TREE_DEPTH = 64u;
 // Share of a node's samples that goes evenly to all children that can contribute, in case the important ones are hidden.

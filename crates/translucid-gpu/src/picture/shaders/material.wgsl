@@ -1,67 +1,11 @@
 // A material's parameters at a point: factors, textures and vertex colors multiplied, clamped to their ranges.
 
-// Inputs of a material: five words each, which are three factors, a texture (below 0: none) and what of it counts: 0 its
-// color, 1 that and vertex colors, from 2 on a channel.
-const INPUT_WORDS = 5u;
-const INPUTS = 17u;
-const BASE_COLOR = 0u;
-const SPECULAR_COLOR = 1u;
-const TRANSMISSION_COLOR = 2u;
-const SUBSURFACE_COLOR = 3u;
-const RADIUS_SCALE = 4u;
-const COAT_COLOR = 5u;
-const EMISSION_COLOR = 6u;
-const METALNESS = 7u;
-const SPECULAR_WEIGHT = 8u;
-const SPECULAR_ROUGHNESS = 9u;
-const TRANSMISSION_WEIGHT = 10u;
-const SUBSURFACE_WEIGHT = 11u;
-const SUBSURFACE_RADIUS = 12u;
-const COAT_WEIGHT = 13u;
-const COAT_ROUGHNESS = 14u;
-const OPACITY = 15u;
-const NORMAL_MAP = 16u;
-
-// Places of its constants, behind the inputs.
-const BASE_WEIGHT = 85u;
-const SPECULAR_IOR = 86u;
-const TRANSMISSION_DEPTH = 87u;
-const ANISOTROPY = 88u;
-const COAT_IOR = 89u;
-const EMISSION_LUMINANCE = 90u;
-const THIN_WALLED = 91u;
-const NORMAL_SCALE = 92u;
-// What the camera sees: the surface, nothing, or shadows on it.
-const CAMERA_VISIBILITY = 93u;
-const NOT_SEEN = 1u;
-const SHADOWS_SEEN = 2u;
-// What is below: nothing, a walk's medium or a profile.
-const BELOW_KIND = 94u;
-const WALK_BELOW = 1u;
-const PROFILE_BELOW = 2u;
-const WALK_SURFACE = 95u;
-// Of a profile instead: where the pairing of exits and entries begins behind the media, 0 where exits count alone.
-const PAIRING = 95u;
-// Where the smooth profile begins there by which shapes are normalized, 0 for none.
-const NORMALIZATION = 96u;
-const WALK_ETA = 96u;
-const WALK_G = 97u;
-const MOST_FLIGHTS = 98u;
-// Tables of the walk's medium, or of the profile's kernel.
-const MEDIUM = 99u;
-const REFLECTANCES = 100u;
-const LETS_LIGHT_THROUGH = 101u;
-const IS_MATCHED = 102u;
-const ABSORPTION = 103u;
-
-// Intervals of a table over the surface albedo.
-const ALBEDOS = 1024.0;
 // Mean free paths below this many rounding errors of a position count as a point.
 const LEAST_OFFSETS_OF_MFP = 8.0;
 const GREATEST_EMISSION = 1e6;
 
 fn material_at(material: u32) -> u32 {
-    return head(MATERIALS) + material * head(MATERIAL_WORDS);
+    return head(MATERIALS) + material * MATERIAL_WORDS;
 }
 
 fn texel(image: u32, x: u32, y: u32, width: u32) -> vec4f {
@@ -92,7 +36,7 @@ fn neighbor(index: i32, size: u32, wrap: u32) -> u32 {
 }
 
 fn textured(texture: f32, uv: vec2f) -> vec4f {
-    let at = head(TEXTURES) + u32(texture) * head(TEXTURE_WORDS);
+    let at = head(TEXTURES) + u32(texture) * TEXTURE_WORDS;
     let image = u32(tables[at]);
     let size = vec2u(u32(tables[at + 1u]), u32(tables[at + 2u]));
     let wrap = vec2u(u32(tables[at + 3u]), u32(tables[at + 4u]));
@@ -154,7 +98,7 @@ fn emission_at(triangle: u32, b: vec2f) -> vec3f {
     let m = material_at(point.material);
     var values: array<vec3f, 2>;
     for (var k = 0u; k < 2u; k += 1u) {
-        values[k] = input_at(m + INPUT_WORDS * select(OPACITY, EMISSION_COLOR, k == 0u), point);
+        values[k] = input_at(m + INPUT_WORDS * select(GEOMETRY_OPACITY, EMISSION_COLOR, k == 0u), point);
     }
     return emitted(values[0], m) * unit(values[1]).x;
 }
@@ -179,13 +123,13 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     met.smooth_normal = point.shading;
     met.group = point.group;
     met.light = point.light;
-    met.normal = bent_normal(point, m, values[NORMAL_MAP]);
-    met.opacity = clamp(values[OPACITY].x, 0.0, 1.0);
+    met.normal = bent_normal(point, m, values[GEOMETRY_NORMAL]);
+    met.opacity = clamp(values[GEOMETRY_OPACITY].x, 0.0, 1.0);
     met.emission = emitted(values[EMISSION_COLOR], m);
-    let is_thin = tables[m + THIN_WALLED] > 0.0;
+    let is_thin = tables[m + GEOMETRY_THIN_WALLED] > 0.0;
     var p: Surface;
     p.base_color = unit(values[BASE_COLOR]) * tables[m + BASE_WEIGHT];
-    p.metalness = unit(values[METALNESS]).x;
+    p.metalness = unit(values[BASE_METALNESS]).x;
     p.specular_weight = unit(values[SPECULAR_WEIGHT]).x;
     p.specular_color = unit(values[SPECULAR_COLOR]);
     p.specular_roughness = unit(values[SPECULAR_ROUGHNESS]).x;
@@ -203,11 +147,11 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     p.coat_ior = tables[m + COAT_IOR];
     p.is_thin = u32(is_thin);
     p.tables = u32(tables[m + REFLECTANCES]);
-    let stated = max(values[RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
+    let stated = max(values[SUBSURFACE_RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
     if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
         set_profile(&met, &p, kernel_of(point.material), stated);
     } else if (u32(tables[m + BELOW_KIND]) == WALK_BELOW) {
-        let table = head(MEDIA) + u32(tables[m + MEDIUM]) + u32(ALBEDOS) + 1u;
+        let table = head(MEDIA) + u32(tables[m + MEDIUM]) + ALBEDOS + 1u;
         let length = stated * of_albedos(table, p.surface_albedo);
         let least = vec3f(LEAST_OFFSETS_OF_MFP * point.offset);
         // Below shells there is no surface that light could leave where it enters
@@ -216,7 +160,7 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     }
     p.subsurface_active = select(vec3f(0.0), vec3f(1.0), met.length > vec3f(0.0));
     if (is_thin) {
-        let g = tables[m + ANISOTROPY];
+        let g = tables[m + SUBSURFACE_SCATTER_ANISOTROPY];
         p.thin_albedo = 0.5 * p.surface_albedo * (1.0 + g);
         p.surface_albedo = 0.5 * p.surface_albedo * (1.0 - g);
     }
@@ -257,7 +201,7 @@ fn unit(color: vec3f) -> vec3f {
 // The shading normal, bent by a texel of the normal map if there is one.
 fn bent_normal(point: Point, m: u32, texel: vec3f) -> vec3f {
     let normal = point.shading;
-    if (tables[m + INPUT_WORDS * NORMAL_MAP + 3u] < 0.0) {
+    if (tables[m + INPUT_WORDS * GEOMETRY_NORMAL + 3u] < 0.0) {
         return normal;
     }
     let at = point.stored * head(ATTRIBUTE_WORDS) + head(TANGENT);
@@ -304,8 +248,8 @@ fn facing(normal: vec3f, geometric: vec3f, view: vec3f) -> vec3f {
 
 // Values of a medium's table at surface albedos.
 fn of_albedos(table: u32, albedo: vec3f) -> vec3f {
-    let place = clamp(albedo, vec3f(0.0), vec3f(1.0)) * ALBEDOS;
-    let cell = min(vec3u(place), vec3u(u32(ALBEDOS) - 1u));
+    let place = clamp(albedo, vec3f(0.0), vec3f(1.0)) * f32(ALBEDOS);
+    let cell = min(vec3u(place), vec3u(ALBEDOS - 1u));
     let at = vec3u(table) + cell;
     let low = vec3f(tables[at.x], tables[at.y], tables[at.z]);
     let high = vec3f(tables[at.x + 1u], tables[at.y + 1u], tables[at.z + 1u]);
@@ -321,7 +265,7 @@ fn single_scattering_albedo(material: u32, albedo: vec3f) -> vec3f {
 // Absorption coefficient of the clear medium that a direction across a surface leads into from one of coefficient `before`.
 fn absorption_behind(met: ptr<function, Met>, direction: vec3f, before: vec3f) -> vec3f {
     let m = material_at((*met).material);
-    if (tables[m + THIN_WALLED] > 0.0) {
+    if (tables[m + GEOMETRY_THIN_WALLED] > 0.0) {
         return before;
     }
     if (dot(direction, (*met).geometric) < 0.0) {

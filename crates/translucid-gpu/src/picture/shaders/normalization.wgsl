@@ -2,14 +2,7 @@
 // over them, as `subsurface/transport/points/gather.rs` of the renderer explains it. A cluster is opened where its own error is too
 // large for it, not in the order of all errors, so that the errors add up to no more than they may there.
 
-// Words of a group of points, a cluster and a point.
-const GROUP_WORDS = 8u;
-const CLUSTER_WORDS = 15u;
-const SURFEL_WORDS = 4u;
-// A smooth profile has so many octaves below and above its unit, and two to the power of this cells an octave.
-const OCTAVES_BELOW = 20u;
-const OCTAVES_ABOVE = 14u;
-const CELL_BITS = 4u;
+// A smooth profile has cells in octaves below and above its unit.
 const SMOOTH_CELLS = (OCTAVES_BELOW + OCTAVES_ABOVE) << CELL_BITS;
 // Words of its row: surface albedo, unit, four words of each cell, bounds of the curvature.
 const SMOOTH_WORDS = 2u + 5u * SMOOTH_CELLS;

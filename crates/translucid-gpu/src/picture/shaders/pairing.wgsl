@@ -33,7 +33,7 @@ fn pair_of(kernel: u32, pairing: u32, exit: Below, material: u32, offset: f32, t
         return exit;
     }
     let m = material_at(material);
-    var inputs = array<u32, 3>(SUBSURFACE_COLOR, RADIUS_SCALE, SUBSURFACE_RADIUS);
+    var inputs = array<u32, 3>(SUBSURFACE_COLOR, SUBSURFACE_RADIUS_SCALE, SUBSURFACE_RADIUS);
     var values: array<vec3f, 3>;
     for (var k = 0u; k < 3u; k += 1u) {
         values[k] = input_at(m + INPUT_WORDS * inputs[k], point);

@@ -23,7 +23,6 @@ struct Along {
     triangle: u32,
 }
 
-const STACK = 64u;
 // Number of triangles of a node that stands for an instance.
 const AN_INSTANCE = 0xffffffffu;
 const EVERY_GROUP = 0u;

@@ -1,4 +1,5 @@
-// The scene's words, whose meaning is stated in `translucid-render`'s `device`, and the head of its tables.
+// The scene's words, and the head of its tables. `translucid-render`'s `device` states their meaning; constants that no shader
+// states are its `shader_constants`.
 
 struct Settings {
     // Position of the lens, and its radius.
@@ -33,32 +34,6 @@ struct Settings {
 @group(0) @binding(3) var<storage, read> attributes: array<f32>;
 @group(0) @binding(4) var<storage, read> tables: array<f32>;
 @group(0) @binding(5) var<storage, read> images: array<u32>;
-
-// Places in the head of the tables.
-const MATERIALS = 0u;
-const MATERIAL_WORDS = 1u;
-const TEXTURES = 2u;
-const TEXTURE_WORDS = 3u;
-const MEDIA = 4u;
-const LIGHTS = 5u;
-const FILTER = 6u;
-const FILTER_INTERVALS = 7u;
-const SOBOL = 8u;
-const IMAGES = 9u;
-const MAX_DEPTH = 10u;
-const MAX_DIFFUSE_DEPTH = 11u;
-const CAUSTICS = 12u;
-const ATTRIBUTE_WORDS = 13u;
-const UV = 14u;
-const TANGENT = 15u;
-const COLOR = 16u;
-const MIDDLE = 17u;
-const FARTHEST = 20u;
-const SHADOWS_LOOK = 21u;
-const DIAGONAL = 22u;
-const INSTANCES = 23u;
-const TANGENTS = 24u;
-const SHAPES = 25u;
 
 fn head(place: u32) -> u32 {
     return u32(tables[place]);

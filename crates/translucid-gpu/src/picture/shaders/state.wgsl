@@ -213,7 +213,7 @@ const PROBES = 9u;
 // Walks and light samples that need to know how deep they are.
 const DEPTHS = 10u;
 const SHADOW_DEPTHS = 11u;
-const COUNTERS = 12u;
+const_assert RAYS == FIRST_LIST && SHADOW_DEPTHS + 1u == COUNTERS;
 
 fn enqueue(list: u32, slot: u32) {
     let place = atomicAdd(&queues[list], 1u);

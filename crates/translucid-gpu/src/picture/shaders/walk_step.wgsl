@@ -1,10 +1,5 @@
 // The walk through a body, a flight at a time: `subsurface/transport/walk` of the renderer, without light that walks share.
 
-const CLEAR = 0u;
-const DIFFUSE_SURFACE = 1u;
-const ROUGH = 2u;
-const SKIN = 3u;
-
 // Share of the light that entered below which walks end at random.
 const ROULETTE_BELOW = 0.25;
 // Sets of numbers of a vertex behind those of the surface: of probes, behind which are two of their end; of a walk's first
