@@ -9,20 +9,6 @@ import numpy as np
 
 from . import _translucid
 
-#: Methods by their names in a version of Blender and later ones, as Blender 5.2 calls them.
-METHODS = {
-    (3, 0): {"BURLEY": "BURLEY", "RANDOM_WALK_FIXED_RADIUS": "RANDOM_WALK_LEGACY", "RANDOM_WALK": "RANDOM_WALK_SKIN"},
-    (4, 0): {"BURLEY": "BURLEY", "RANDOM_WALK": "RANDOM_WALK_LEGACY", "RANDOM_WALK_SKIN": "RANDOM_WALK_SKIN"},
-    (5, 2): {name: name for name in ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY")},
-}
-
-#: Flights after which Cycles gives up a walk, and those after which it goes on in the similar isotropic medium.
-MOST_FLIGHTS, ANISOTROPIC_FLIGHTS = 256, 10
-
-#: Colors at which the relation of a color and what comes out is tabulated for images.
-POINTS = 4096
-
-
 def cycles_material(
     method: str,
     *,
@@ -89,82 +75,26 @@ def cycles_material(
     >>> keys["subsurface_model"], np.round(keys["subsurface_color"], 3).tolist()
     ('random-walk-rough', [0.812, 0.505, 0.202])
     """
-    version = _version(version)
-    method = _method(method, version)
-    if not math.isfinite(anisotropy):
-        raise ValueError(f"anisotropy is {anisotropy}, but must be finite")
-    numbers = {"scale": scale, "ior": ior, "alpha": alpha}
-    for name, value in numbers.items():
-        if not (math.isfinite(value) and value >= 0.0):
-            raise ValueError(f"{name} is {value}, but must be finite and at least 0")
+    if version is None:
+        bpy = sys.modules.get("bpy")
+        version = (5, 2) if bpy is None else bpy.app.version
+    if not (math.isfinite(scale) and scale >= 0.0):
+        raise ValueError(f"scale is {scale}, but must be finite and at least 0")
     color, length = (np.asarray(values, dtype=np.float64) for values in (base_color, radius))
     for name, values in (("base_color", color), ("radius", length)):
         if values.ndim > 0 and values.shape[-1] != 3:
             raise ValueError(f"{name} has the shape {values.shape}, but must end in 3")
         if not (np.isfinite(values).all() and (values >= 0.0).all()):
             raise ValueError(f"{name} has numbers that are not finite or below 0")
-    color = np.clip(color, 0.0, 1.0) + np.zeros(3)
-    length = length * scale + np.zeros(3)
-
-    keys: dict[str, object]
-    if method == "BURLEY":
-        # The mean free path of Burley's profile of this width [Christensen & Burley 2015, eq. 6]
-        mfp = length / (4.0 * math.pi) * (1.9 - color + 3.5 * (color - 0.8) ** 2)
-        keys = {"subsurface_model": "normalized-diffusion", "subsurface_configuration": "diffuse"}
-    else:
-        g = min(max(anisotropy, -0.9 if version >= (5, 2) else 0.0), 0.9)
-        # Every walk scatters backward as the new one does
-        is_legacy = method != "RANDOM_WALK" and g >= 0.0
-        color, skin = _walks(color, g, max(ior, 1.01), is_legacy)
-        mfp = length * {"RANDOM_WALK": 1.0, "RANDOM_WALK_LEGACY": 1.0 / (4.0 * math.pi), "RANDOM_WALK_SKIN": skin}[method]
-        if is_legacy:
-            mfp = mfp * (1.0 - g)
-        keys = {
-            "subsurface_scatter_anisotropy": g,
-            "subsurface_eta": min(max(ior, 1.01), 3.0),
-            # Where light is not absorbed, a flight in the similar medium stands for 1/(1 - g)
-            "subsurface_flights": round(ANISOTROPIC_FLIGHTS + (MOST_FLIGHTS - ANISOTROPIC_FLIGHTS) / (1.0 - g)),
-        }
-        if method == "RANDOM_WALK_SKIN":
-            keys["subsurface_model"] = "random-walk-skin"
-        else:
-            keys |= {"subsurface_model": "random-walk-rough", "specular_roughness": math.sqrt(min(alpha, 1.0))}
+    keys, color, mfp = _translucid._cycles_material(method, tuple(version), color + np.zeros(3), ior, anisotropy, alpha)
+    mfp = (length * scale + np.zeros(3)) * mfp
     greatest = float(mfp.max())
     shares = mfp / greatest if greatest > 0.0 else np.ones_like(mfp)
-    keys |= {
-        "subsurface_parameter": "mfp",
+    return keys | {
         "subsurface_color": _value(color),
         "subsurface_radius": greatest,
         "subsurface_radius_scale": _value(shares),
     }
-    return keys
-
-
-def _version(version):
-    if version is not None:
-        return tuple(version)
-    bpy = sys.modules.get("bpy")
-    return bpy.app.version if bpy is not None else (5, 2)
-
-
-def _method(method, version):
-    """The method that a version of Blender calls so, by its name in Blender 5.2."""
-    of_version = [names for since, names in METHODS.items() if version >= since]
-    if not of_version:
-        raise ValueError(f"version is {version!r}, but must be (3, 0) or later")
-    if method not in of_version[-1]:
-        raise ValueError(f"method is {method!r}, but must be one of {', '.join(of_version[-1])}")
-    return of_version[-1][method]
-
-
-def _walks(color, g, ior, is_legacy):
-    """Surface albedos of the media of colors, and mean free paths of the skin mode for a radius of 1."""
-    if color.size <= POINTS:
-        albedo, skin = _translucid._cycles_walks(color.ravel().tolist(), g, ior, is_legacy)
-        return np.reshape(albedo, color.shape), np.reshape(skin, color.shape)
-    grid = np.linspace(0.0, 1.0, POINTS)
-    tables = _translucid._cycles_walks(grid.tolist(), g, ior, is_legacy)
-    return tuple(np.interp(color, grid, table) for table in tables)
 
 
 def _value(values):

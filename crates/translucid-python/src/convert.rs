@@ -2,13 +2,13 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict, PyFloat};
 use translucid_laboratory::stack::{thin_wall_numbers, wall_slab_numbers};
 use translucid_profile::convention::{
-    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, CyclesWalk, Role, Setting,
-    SurfaceAlbedo, System, Unit,
+    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, CyclesMaterial, CyclesMethod,
+    Role, Setting, System, Unit,
 };
-use translucid_profile::{Configuration, InputError, ParameterError};
+use translucid_profile::{InputError, ParameterError};
 
 use crate::arrays::{Any, Numbers, array_like};
 use crate::names;
@@ -153,29 +153,35 @@ pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'p
     System::ALL.iter().map(describe).collect()
 }
 
-/// Surface albedos of the media that Cycles' random walks make of colors, those before Blender 5.2 if `is_legacy`, and transport
-/// mean free paths of the skin mode for a radius of 1, in order.
+/// The keys of a material that looks like that of a method of Cycles, the surface albedos of its media for colors, and their mean
+/// free paths for a radius of 1, one where the color does not change it.
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
-pub(crate) fn _cycles_walks(
-    py: Python<'_>,
-    colors: Vec<f64>,
-    g: f64,
-    skin_ior: f64,
-    is_legacy: bool,
-) -> PyResult<(Vec<f64>, Vec<f64>)> {
-    py.detach(|| {
-        let walk = if is_legacy { CyclesWalk::legacy(g) } else { CyclesWalk::new(g) };
-        let skin = System::named("cycles-skin").next();
-        let mfp = |&color: &f64| {
-            let Some(skin) = skin else { return Ok(1.0) };
-            let albedo = SurfaceAlbedo::gray(color)?;
-            Ok(skin.read(&[1.0, 1.0, skin_ior], albedo, Configuration::Diffuse)?.mfp())
-        };
-        let lengths: Result<Vec<f64>, ParameterError> = colors.iter().map(mfp).collect();
-        Ok((colors.iter().map(|&color| walk.surface_albedo_of_medium(color)).collect(), lengths?))
-    })
-    .map_err(|error: ParameterError| PyValueError::new_err(error.to_string()))
+pub(crate) fn _cycles_material<'py>(
+    py: Python<'py>,
+    method: &str,
+    version: Vec<u32>,
+    colors: &Any<'py>,
+    ior: f64,
+    anisotropy: f64,
+    alpha: f64,
+) -> PyResult<(Bound<'py, PyDict>, Any<'py>, Any<'py>)> {
+    // Numbers as Python writes them
+    let wrong = |error: ParameterError| {
+        let (value, requirement) = (PyFloat::new(py, error.value), error.requirement());
+        PyValueError::new_err(format!("{} is {value}, but must be {requirement}", error.parameter))
+    };
+    let method = CyclesMethod::named(&version, method).map_err(fail)?;
+    let material = CyclesMaterial::new(method, &version, ior, anisotropy, alpha).map_err(wrong)?;
+    let (names, numbers) = material.keys();
+    let keys = names.into_py_dict(py)?;
+    numbers.into_iter().try_for_each(|(key, number)| keys.set_item(key, number))?;
+    let colors = Numbers::extract("base_color", colors)?;
+    let numbers = colors.broadcast(colors.shape());
+    let (albedos, mfps) = py.detach(|| material.media(&numbers)).map_err(wrong)?;
+    let shape = if mfps.len() == numbers.len() { colors.shape() } else { &[] };
+    let mfps = array_like(py, &[&colors], shape, mfps)?;
+    Ok((keys, array_like(py, &[&colors], colors.shape(), albedos)?, mfps))
 }
 
 /// A named translucent material: measured, with its source, or chosen by eye.

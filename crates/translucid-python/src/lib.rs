@@ -52,7 +52,7 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(convert::_convert, module)?,
         wrap_pyfunction!(convert::_wall_slab, module)?,
         wrap_pyfunction!(convert::_conversion_systems, module)?,
-        wrap_pyfunction!(convert::_cycles_walks, module)?,
+        wrap_pyfunction!(convert::_cycles_material, module)?,
         wrap_pyfunction!(convert::_preset, module)?,
         wrap_pyfunction!(convert::_preset_names, module)?,
         wrap_pyfunction!(reference::exact, module)?,

@@ -70,9 +70,6 @@
 pub mod device;
 #[doc(hidden)]
 pub mod internals;
-/// The name by which the tests of `translucid-gpu`'s pictures know it.
-#[doc(hidden)]
-pub use internals as measure;
 mod light;
 mod path;
 mod ray;

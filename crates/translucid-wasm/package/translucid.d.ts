@@ -248,6 +248,28 @@ export interface WallOptions extends SlabOptions {
  */
 export function slab(options: WallOptions): Conversion;
 
+/** The sockets of a Subsurface Scattering node or a Principled BSDF of Blender. */
+export interface CyclesOptions {
+    /** Linear color, clamped to [0, 1]. */
+    baseColor: Channels;
+    /** Radius times Scale, at least 0; a channel of 0 is Lambertian. */
+    radius: Channels;
+    /** Index that the view is refracted by, by default 1.4. */
+    ior?: number;
+    /** Mean cosine of the phase function, by default 0, clamped as Cycles does. */
+    anisotropy?: number;
+    /** Width of the facets that refract the view, by default 1: the square of the Principled BSDF's Roughness. */
+    alpha?: number;
+    /** Version of Blender that the node is of, by default [5, 2]; it names the methods. */
+    version?: readonly number[];
+}
+
+/**
+ * Makes the keys of a material, in the words of scene files, whose subsurface looks like that of Blender Cycles by a method:
+ * "BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN" or "RANDOM_WALK_LEGACY", as the version names it.
+ */
+export function cyclesMaterial(method: string, options: CyclesOptions): Record<string, string | number | number[]>;
+
 /** A system whose numbers are known. */
 export interface System {
     name: string;

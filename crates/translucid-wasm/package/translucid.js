@@ -149,6 +149,7 @@ export class HalfSpace extends Owner {
 
 export const convert = (source, parameters, options) => conversion("convert", { ...options, source, parameters });
 export const slab = (options) => conversion("slab", options);
+export const cyclesMaterial = (method, options) => call("cyclesMaterial", { options: { ...options, method } });
 
 function conversion(name, options) {
     const { numbers, notes } = call(name, { options });

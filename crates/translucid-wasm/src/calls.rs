@@ -93,6 +93,7 @@ impl Shared {
             "free" => return Ok(self.free(index)),
             "convert" => return conversion::convert(options),
             "slab" => return conversion::slab(options),
+            "cyclesMaterial" => return conversion::cycles_material(options),
             "systems" => return Ok(conversion::systems()),
             "presets" => return Ok(conversion::presets()),
             "preset" => return conversion::preset(options),

@@ -3,12 +3,12 @@
 use serde_json::{Map, Value, json};
 use translucid_laboratory::stack::{thin_wall_numbers, wall_slab_numbers};
 use translucid_profile::convention::{
-    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, LINEAR_SPACES, Parameter,
-    Preset, Role, Setting, System, Unit,
+    self, ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, CyclesMaterial, CyclesMethod,
+    LINEAR_SPACES, Parameter, Preset, Role, Setting, System, Unit,
 };
 use translucid_profile::{Configuration, ParameterError};
 
-use crate::options::{Options, numbers, unknown};
+use crate::options::{Options, message, numbers, require, unknown};
 
 const NAMES: ArgumentNames = ArgumentNames {
     from: "source",
@@ -112,6 +112,39 @@ fn settings(argument: &str, system: &str, parameters: Options) -> Result<Vec<Set
         Setting::new(argument, system, &name, numbers(&name, &value)?).map_err(|error| error.to_string())
     };
     parameters.into_entries().into_iter().map(setting).collect()
+}
+
+/// The keys of a material whose subsurface looks like that of Blender Cycles.
+pub(crate) fn cycles_material(mut options: Options) -> Result<Value, String> {
+    let method = options.text("method")?.ok_or("method is missing")?;
+    let version = options.numbers("version")?.unwrap_or(vec![5.0, 2.0]);
+    let version: Vec<u32> = version.into_iter().map(|number| number as u32).collect();
+    let mut channels = |name| {
+        let given = options.numbers(name)?.ok_or_else(|| format!("{name} is missing"))?;
+        require(name, &given, given.len() == 1, |x| x.is_finite() && x >= 0.0, "finite and at least 0")?;
+        match given[..] {
+            [all] => Ok([all; 3]),
+            [r, g, b] => Ok([r, g, b]),
+            _ => Err(format!("{name} has {} numbers, but must have one or three", given.len())),
+        }
+    };
+    let (colors, radii) = (channels("baseColor")?, channels("radius")?);
+    let ior = options.number("ior")?.unwrap_or(1.4);
+    let anisotropy = options.number("anisotropy")?.unwrap_or(0.0);
+    let alpha = options.number("alpha")?.unwrap_or(1.0);
+    options.finish()?;
+    let method = CyclesMethod::named(&version, &method).map_err(|error| error.to_string())?;
+    let wrong = |error: ParameterError| message(&error);
+    let material = CyclesMaterial::new(method, &version, ior, anisotropy, alpha).map_err(wrong)?;
+    let (albedos, mfps) = material.media(&colors).map_err(wrong)?;
+    let mfps = [0, 1, 2].map(|i| radii[i] * mfps[i.min(mfps.len() - 1)]);
+    let greatest = mfps.into_iter().fold(0.0, f64::max);
+    let shares = mfps.map(|mfp| if greatest > 0.0 { mfp / greatest } else { 1.0 });
+    let (names, numbers) = material.keys();
+    let mut keys = json!({ "subsurface_color": albedos, "subsurface_radius": greatest, "subsurface_radius_scale": shares });
+    names.into_iter().for_each(|(key, name)| keys[key] = name.into());
+    numbers.into_iter().for_each(|(key, number)| keys[key] = number.into());
+    Ok(keys)
 }
 
 /// The unit of lengths of a name.

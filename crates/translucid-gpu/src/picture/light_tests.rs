@@ -7,7 +7,7 @@ mod scenes;
 
 use glam::Vec3;
 use translucid_render::device::{LightWords, light_set, lights};
-use translucid_render::measure::LightSample;
+use translucid_render::internals::LightSample;
 use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;

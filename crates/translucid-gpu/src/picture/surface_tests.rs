@@ -7,7 +7,7 @@
 #![allow(clippy::print_stdout, reason = "the errors are for those who ask with --nocapture")]
 
 use glam::Vec3;
-use translucid_render::measure::bsdf::{
+use translucid_render::internals::bsdf::{
     Bsdf, BsdfSample, BsdfValue, EntryBsdf, Lobe, MaterialTables, Slab, SurfaceParameters,
     fresnel_dielectric, refract, sample_cosine, scaled_ior,
 };

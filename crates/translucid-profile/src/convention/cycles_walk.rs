@@ -93,14 +93,17 @@ impl CyclesWalk {
         alpha.max(0.0).min(LARGEST_ALPHA)
     }
 
-    /// Transport mean free path 1/(σ_a + (1 − g) σ_s) for a length that Cycles takes for 1/σ_t, and before 5.2 for
-    /// 1/((1 − g) σ_t).
-    pub(super) fn transport_mfp(&self, color: f64, length: f64) -> f64 {
-        let mfp = match self.fit {
+    /// Mean free path 1/σ_t for a length that Cycles takes for it, and before 5.2 for 1/((1 − g) σ_t).
+    pub(super) fn mfp(&self, length: f64) -> f64 {
+        match self.fit {
             AlbedoFit::VanDeHulst => length,
             AlbedoFit::Wrenninge(_) => (1.0 - self.g) * length,
-        };
-        mfp / (1.0 - self.g * self.single_scattering_albedo(color).max(LEAST_ALPHA))
+        }
+    }
+
+    /// Transport mean free path 1/(σ_a + (1 − g) σ_s) for the length that [`mfp`](Self::mfp) takes.
+    pub(super) fn transport_mfp(&self, color: f64, length: f64) -> f64 {
+        self.mfp(length) / (1.0 - self.g * self.single_scattering_albedo(color).max(LEAST_ALPHA))
     }
 
     /// Surface albedo that a color comes out as, under light from all sides and in the mean over all views.

@@ -1,7 +1,7 @@
 //! The known systems: names, versions, rules, and where each rule was read.
 
 use super::rule::{Factor, Rule};
-use super::{CyclesWalk, LengthUnit, Parameter, Role, Source, System, parameter};
+use super::{CyclesMethod, LengthUnit, Parameter, Role, Source, System, parameter};
 
 const fn length(name: &'static str) -> Parameter {
     Parameter { name, role: Role::Length }
@@ -79,11 +79,29 @@ const fn system(
         parameters,
         unit: LengthUnit::Scene,
         rule,
-        walk: None,
+        cycles: None,
         formula,
         least_length: None,
         source,
     }
+}
+
+/// A method of Blender Cycles, which has its rule.
+const fn cycles(
+    method: CyclesMethod,
+    name: &'static str,
+    title: &'static str,
+    version: &'static str,
+    parameters: &'static [Parameter],
+    formula: &'static str,
+    source: Source,
+) -> System {
+    let rule = match method {
+        CyclesMethod::Burley => Rule::Width(method.factor()),
+        _ => Rule::Mfp(method.factor()),
+    };
+    let system = system(name, title, version, parameters, rule, formula, source);
+    System { cycles: Some(method), ..system.albedo("base_color") }
 }
 
 impl System {
@@ -97,11 +115,6 @@ impl System {
 
     const fn albedo(mut self, name: &'static str) -> Self {
         self.albedo_name = Some(name);
-        self
-    }
-
-    const fn walks(mut self, walk: fn(f64) -> CyclesWalk) -> Self {
-        self.walk = Some(walk);
         self
     }
 
@@ -145,49 +158,42 @@ const KNOWN: &[System] = &[
         "d = length",
         code("translucid-profile, burley.rs"),
     ),
-    system(
+    cycles(
+        CyclesMethod::Burley,
         "cycles-burley",
         "Blender Cycles, Christensen-Burley",
         "3.0 to 5.3",
         CYCLES,
-        Rule::Width(Factor::OverFourPi),
         "d = length/(4 pi), cut at 16 d and renormalized",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
-    )
-    .albedo("base_color"),
-    system(
+    ),
+    cycles(
+        CyclesMethod::RandomWalk,
         "cycles-walk",
         "Blender Cycles, Random Walk since 5.2",
         "5.2 and 5.3",
         &[length("subsurface_radius"), distance("subsurface_scale"), G_OF_WALK],
-        Rule::Mfp(Factor::One),
         "mfp = length/(1 - alpha g), alpha of the color; a color comes out as another",
         measured("pictures of Blender 5.2.3 and 5.3.0 (blender/tests/test_subsurface.py)"),
-    )
-    .walks(CyclesWalk::new)
-    .albedo("base_color"),
-    system(
+    ),
+    cycles(
+        CyclesMethod::RandomWalkLegacy,
         "cycles-walk-legacy",
         "Blender Cycles, Random Walk (Legacy), before 5.2 Random Walk, before 4.0 with Fixed Radius",
         "3.0 to 5.3",
         &[length("subsurface_radius"), distance("subsurface_scale"), WALK_G],
-        Rule::Mfp(Factor::OverFourPi),
         "mfp = length (1 - g)/(4 pi (1 - alpha g)), alpha of the color; a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
-    )
-    .walks(CyclesWalk::legacy)
-    .albedo("base_color"),
-    system(
+    ),
+    cycles(
+        CyclesMethod::RandomWalkSkin,
         "cycles-skin",
         "Blender Cycles, Random Walk (Skin), before 4.0 Random Walk",
         "3.0 to 5.3",
         &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR, WALK_G],
-        Rule::Mfp(Factor::Skin),
         "mfp = length sqrt(3 (1 - alpha')) (1 - g)/(1 - alpha g), alpha' of a dipole; a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
-    )
-    .walks(CyclesWalk::legacy)
-    .albedo("base_color"),
+    ),
     system(
         "cycles-2.9",
         "Blender Cycles before 3.0, Christensen-Burley",

@@ -53,6 +53,7 @@
 mod albedo;
 mod channel;
 mod conversion;
+mod cycles_material;
 mod cycles_walk;
 mod known;
 mod mixed_texels;
@@ -74,6 +75,7 @@ pub use channel::Channel;
 pub use conversion::{
     ArgumentNames, ColorSpaces, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
 };
+pub use cycles_material::{CyclesMaterial, CyclesMethod};
 pub use cycles_walk::CyclesWalk;
 pub use mixed_texels::TexelMixer;
 pub use mixture::MixedChannel;

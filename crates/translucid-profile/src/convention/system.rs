@@ -2,7 +2,7 @@
 
 use super::parameter::WALK_G;
 use super::rule::{Factor, Rule};
-use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo, multiscatter};
+use super::{Channel, CyclesMethod, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo, multiscatter};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
@@ -24,8 +24,8 @@ pub struct System {
     /// Unit of lengths, and the reciprocal of coefficients' unit.
     pub unit: LengthUnit,
     pub(super) rule: Rule,
-    /// The random walk of Cycles by g, if the color that the system is told is one of that, not the surface albedo.
-    pub(super) walk: Option<fn(f64) -> CyclesWalk>,
+    /// The method of Cycles, if the system is one; a walk is told a color that is not the surface albedo.
+    pub(super) cycles: Option<CyclesMethod>,
     /// The rule as a formula, for people; `length` is the product of the parameters.
     pub formula: &'static str,
     /// The shortest length that the system uses as it is; it takes this one for every shorter one.
@@ -198,10 +198,10 @@ impl System {
 
     /// Cycles' random walk, if the system is one.
     fn walk(&self, values: &[f64]) -> Result<Option<CyclesWalk>, ParameterError> {
-        let Some(walk) = self.walk else { return Ok(None) };
+        let Some(method) = self.cycles else { return Ok(None) };
         self.setting(values)?;
         let g = self.with_values(values).find(|(parameter, _)| parameter.name == WALK_G);
-        Ok(Some(walk(g.map_or(0.0, |(_, g)| g))))
+        Ok(method.walk(g.map_or(0.0, |(_, g)| g)))
     }
 
     /// Each parameter with its value, the default where there is none.

@@ -12,7 +12,7 @@
 use std::cmp::Reverse;
 
 use glam::Vec3;
-use translucid_scene::description::{Choice, Slot};
+use translucid_scene::description::{Choice, SceneSlot};
 use translucid_scene::{CameraVisibility, Material, ScalarInput, TextureRef, WalkSurface};
 
 use crate::subsurface::transport::SubsurfaceTransport;
@@ -143,21 +143,21 @@ fn fields(
 }
 
 /// The words of a field: those of an input, a number, or none where devices know nothing of its kind.
-fn field_words(slot: Slot<'_>, number_of: &mut dyn FnMut(&TextureRef) -> usize) -> Vec<f32> {
+fn field_words(slot: SceneSlot<'_>, number_of: &mut dyn FnMut(&TextureRef) -> usize) -> Vec<f32> {
     let mut input = |factor: Vec3, texture: Option<TextureRef>, what_counts: usize| {
         let texture = texture.map_or(-1.0, |texture| number_of(&texture) as f32);
         vec![factor.x, factor.y, factor.z, texture, what_counts as f32]
     };
     match slot {
-        Slot::Color(color, _) => input(color.factor, color.texture, color.vertex_color.into()),
-        Slot::Scalar(ScalarInput { factor, texture }, _) => {
+        SceneSlot::Color(color, _) => input(color.factor, color.texture, color.vertex_color.into()),
+        SceneSlot::Scalar(ScalarInput { factor, texture }, _) => {
             let channel = texture.map_or(0, |(_, channel)| channel as usize);
             input(Vec3::splat(*factor), texture.map(|(texture, _)| texture), 2 + channel)
         }
-        Slot::NormalMap(map) => input(Vec3::ONE, map.map(|map| map.texture), 0),
-        Slot::Number(number, _) | Slot::Length(number, _) => vec![*number],
-        Slot::Flag(is_set) => vec![flag(*is_set)],
-        Slot::Word(choice) => vec![number_of_choice(choice) as f32],
+        SceneSlot::NormalMap(map) => input(Vec3::ONE, map.map(|map| map.texture), 0),
+        SceneSlot::Number(number, _) | SceneSlot::Length(number, _) => vec![*number],
+        SceneSlot::Flag(is_set) => vec![flag(*is_set)],
+        SceneSlot::Word(choice) => vec![number_of_choice(choice) as f32],
         _ => Vec::new(),
     }
 }

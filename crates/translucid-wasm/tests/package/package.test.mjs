@@ -12,7 +12,7 @@ import init, * as translucid from "translucid";
 
 import { forNode } from "./guide.mjs";
 
-const { HalfSpace, Profile, TranslucidError, convert, exportText, slab } = translucid;
+const { HalfSpace, Profile, TranslucidError, convert, cyclesMaterial, exportText, slab } = translucid;
 const COMMAND = process.env.TRANSLUCID ?? "translucid";
 const PLACE = new URL(import.meta.resolve("translucid/translucid.wasm"));
 /** Most bytes of the module that travel. */
@@ -136,6 +136,19 @@ test("conversions are the command's", () => {
     refused(() => convert("rendermann", { dmfp: 20 }), /rendermann.*did you mean/);
     refused(() => convert("renderman", { dmfp: "a" }), 'dmfp is "a", but must be a number');
     refused(() => convert("renderman", { dmfp: 20 }, { unit: "inch" }), 'unit is "inch", but must be one of mm, cm, m');
+});
+
+test("materials of Cycles are what the conversion says", () => {
+    const burley = cyclesMaterial("BURLEY", { baseColor: [0.8, 0.5, 0.2], radius: [12, 6, 3] });
+    const of = { surfaceAlbedo: [0.8, 0.5, 0.2], to: "translucid" };
+    const { mfp } = convert("cycles-burley", { subsurface_radius: [4, 2, 1], subsurface_scale: 3 }, of).values.translucid;
+    burley.subsurface_radius_scale.forEach((share, i) => assert.ok(Math.abs((share * burley.subsurface_radius) / mfp[i] - 1) < 1e-14));
+    assert.deepEqual(burley.subsurface_color, [0.8, 0.5, 0.2]);
+    const walk = cyclesMaterial("RANDOM_WALK", { baseColor: 0.8, radius: 1, version: [5, 1] });
+    assert.deepEqual(walk, cyclesMaterial("RANDOM_WALK_LEGACY", { baseColor: 0.8, radius: 1 }));
+    assert.deepEqual([walk.subsurface_model, walk.subsurface_flights], ["random-walk-rough", 256]);
+    refused(() => cyclesMaterial("CUBIC", { baseColor: 1, radius: 1 }), /^method is 'CUBIC', but must be one of BURLEY, /);
+    refused(() => cyclesMaterial("BURLEY", { baseColor: 1, radius: [1, -2, 1] }), "radius[1] is -2, but must be finite and at least 0");
 });
 
 test("color spaces and thin walls are the command's, and a wall leads back to its slab", () => {

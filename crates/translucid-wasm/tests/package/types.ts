@@ -1,6 +1,6 @@
 // What the types allow and what they refuse: read by tsc, never run.
 
-import init, { HalfSpace, Profile, TranslucidError, convert, exportText, models, preset, slab, systems } from "translucid";
+import init, { HalfSpace, Profile, TranslucidError, convert, cyclesMaterial, exportText, models, preset, slab, systems } from "translucid";
 
 await init();
 await init(new URL("https://example.org/translucid.wasm"));
@@ -25,6 +25,7 @@ const radius: number | number[] | undefined = convert("renderman", { dmfp: [20, 
 const wall: number | number[] | undefined = convert("translucid", { mfp: 1 }, { surfaceAlbedo: 0.8, thin: 2, eta: 1.4, colorSpace: "acescg" })
     .values["openpbr"]?.["subsurface_color"];
 const depth: number | number[] | undefined = slab({ color: [0.8, 0.5, 0.3], balance: 0.5, g: 0.2 }).values["slab"]?.["mfp in thicknesses"];
+const keys: Record<string, unknown> = cyclesMaterial("RANDOM_WALK", { baseColor: [0.8, 0.5, 0.2], radius: 1, version: [5, 1] });
 const text: string = exportText({ to: "wgsl", what: ["profile", "sampler"], model: "gaussians", preset: "skin1" });
 const albedo: [number, number, number] = preset("skin1").surfaceAlbedo;
 const names: string[] = [...models(), ...systems().map((system) => system.name)];
@@ -46,7 +47,9 @@ exportText({ to: "exr", what: "lut" });
 convert("translucid", { mfp: 1 }, { colorSpace: "srgb" });
 // @ts-expect-error: no balance
 slab({ color: 0.5 });
+// @ts-expect-error: no radius
+cyclesMaterial("BURLEY", { baseColor: 0.5 });
 // @ts-expect-error: it cannot be set
 jade.total = 1;
 
-export { albedo, depth, error, errors, many, more, names, one, radius, text, total, value, wall };
+export { albedo, depth, error, errors, keys, many, more, names, one, radius, text, total, value, wall };

@@ -3,7 +3,7 @@
 use std::array;
 
 use glam::Vec3;
-use translucid_render::measure::bsdf::{BsdfSample, BsdfValue, Lobe, MaterialTables, SurfaceParameters};
+use translucid_render::internals::bsdf::{BsdfSample, BsdfValue, Lobe, MaterialTables, SurfaceParameters};
 
 use crate::picture::evaluate::Evaluation;
 
