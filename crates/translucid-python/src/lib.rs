@@ -48,8 +48,6 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(ask::_ask, module)?,
         wrap_pyfunction!(fit::fit, module)?,
         wrap_pyfunction!(fit::fit_scaling, module)?,
-        wrap_pyfunction!(convert::_convert, module)?,
-        wrap_pyfunction!(convert::_wall_slab, module)?,
         wrap_pyfunction!(convert::_conversion_systems, module)?,
         wrap_pyfunction!(convert::_cycles_walks, module)?,
         wrap_pyfunction!(convert::_preset, module)?,

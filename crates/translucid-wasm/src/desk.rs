@@ -90,8 +90,6 @@ impl Desk {
             "total" => return Ok(self.profile(index)?.surface_albedo().into()),
             "apply" => return self.apply(index, options),
             "free" => return Ok(self.free(index)),
-            "convert" => return conversion::convert(options),
-            "slab" => return conversion::slab(options),
             "systems" => return Ok(conversion::systems()),
             "presets" => return Ok(conversion::presets()),
             "preset" => return conversion::preset(options),
