@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,41 +132,44 @@ def convert(
     >>> round(conversion["cycles-burley"]["subsurface_radius"] * conversion["cycles-burley"]["subsurface_scale"], 3)
     2.999
     """
-    for name, text in (("source", source), ("unit", unit), ("configuration", configuration)):
-        if not isinstance(text, str):
-            raise TypeError(f"{name} must be a str, but is {text!r}")
-    targets = [to] if isinstance(to, str) else list(to)
-    if not all(isinstance(name, str) for name in targets):
-        raise TypeError(f"to must be names of systems, but is {to!r}")
-    if settings is not None and not (
-        isinstance(settings, Mapping) and all(isinstance(values, Mapping) for values in settings.values())
-    ):
-        raise TypeError(f"settings must be a mapping of systems to mappings of parameters, but is {settings!r}")
-    chosen = {system: dict(values) for system, values in (settings or {}).items()}
-    if color_space is None and from_color_space != "lin_rec709":
-        raise ValueError("color_space is missing, which from_color_space needs")
-    if thin is None and (thin_g, thin_eta) != (0.0, 1.0):
-        raise ValueError("thin is missing, the thickness of the slab that thin_g and thin_eta are of")
-    if thin is not None and (targets or chosen or to_unit is not None):
-        raise ValueError("thin gives the numbers of thin walls: leave out to, to_unit and settings")
-    spaces = None if color_space is None else (from_color_space, color_space)
-    slab = None if thin is None else (thin, thin_g, thin_eta)
-    return _conversion(
-        *_translucid._convert(
-            source, parameters, surface_albedo, unit, to_unit, targets, chosen, configuration, spaces, slab
-        )
-    )
+    said = {
+        "from": _settings(source, parameters),
+        "surface_albedo": surface_albedo,
+        "unit": unit,
+        "to_unit": to_unit,
+        "to": to or None,
+        "set": [text for system, values in dict(settings or {}).items() for text in _settings(system, values)] or None,
+        "configuration": configuration,
+        "color_space": color_space,
+        "from_color_space": None if from_color_space == "lin_rec709" else from_color_space,
+        "thin": thin,
+        "g": thin_g or None,
+        "eta": None if thin_eta == 1.0 else thin_eta,
+    }
+    return _conversion(said, {"from": "source", "set": "settings", "g": "thin_g", "eta": "thin_eta"})
 
 
-def _conversion(rows, notes: list[str]) -> Conversion:
+def _settings(system: str, values: Mapping[str, float]) -> list[str]:
+    if not isinstance(system, str) or not isinstance(values, Mapping):
+        raise TypeError(f"the parameters of {system!r} must be a mapping, but are {values!r}")
+    return [f"{system}:{name}={','.join(repr(float(x)) for x in np.atleast_1d(value))}" for name, value in values.items()]
+
+
+def _conversion(said: dict[str, Any], names: dict[str, str]) -> Conversion:
+    """Asks; errors begin with a key, which is the caller's name here."""
+    try:
+        found = _translucid._ask("convert", {key: value for key, value in said.items() if value is not None})
+    except ValueError as error:
+        key, space, rest = str(error).partition(" ")
+        raise ValueError(names.get(key, key) + space + rest) from None
     # Red, green and blue are rows of the command; here they are one array.
     merged: list[ConvertedParameter] = []
-    for system, parameter, channel, value, length_unit, equal, rule in rows:
+    for system, parameter, channel, value, length_unit, equal, rule in zip(*found["columns"].values()):
         if channel in ("all", "r"):
-            merged.append(ConvertedParameter(system, parameter, value, length_unit, equal, rule))
+            merged.append(ConvertedParameter(system, parameter, float(value), length_unit, equal, rule))
         else:
             merged[-1] = merged[-1]._replace(value=np.append(merged[-1].value, value))
-    return Conversion(merged, notes)
+    return Conversion(merged, found["notes"])
 
 
 def systems() -> list[dict]:
@@ -208,7 +211,8 @@ def slab(color, balance, *, thin: float | None = None, g: float = 0.0, eta: floa
     >>> round(wall["openpbr"]["subsurface_color"], 4), abs(round(wall["openpbr"]["subsurface_scatter_anisotropy"], 4))
     (0.8, 0.0)
     """
-    return _conversion(*_translucid._wall_slab(color, balance, thin, g, eta))
+    said = {"wall_color": color, "wall_balance": balance, "thin": thin, "g": g or None, "eta": None if eta == 1.0 else eta}
+    return _conversion(said, {"wall_color": "color", "wall_balance": "balance"})
 
 
 convert.slab = slab  # type: ignore[attr-defined]

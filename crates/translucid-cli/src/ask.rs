@@ -5,15 +5,15 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches, Subcommand, ValueEnum, value_parser};
-use translucid_desk::{Answer, Ask, Control, Prepared, QUESTIONS, Unanswered};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand, ValueEnum, value_parser};
+use translucid_desk::{Answer, Ask, CONVERT, Control, Prepared, QUESTIONS, Unanswered};
 use translucid_words::{Content, Described, Entry, Error, Kind, Provenance, Spelling, Value};
 
 use crate::failure::Failure;
 use crate::files::{input_among, write_file};
 use crate::progress::{Meter, Unit};
 use crate::table::{ReadableFormat, TableFormat, print};
-use crate::{interrupt, machine, messages};
+use crate::{interrupt, machine, messages, textures};
 
 /// A question with what the user says.
 pub(crate) struct Asked {
@@ -55,7 +55,7 @@ fn verb(question: &'static dyn Ask) -> Command {
     let formats: Vec<PossibleValue> =
         formats.filter(|format| question.has_text() || format.get_name() != "text").collect();
     let output = "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout";
-    Command::new(question.name())
+    let verb = Command::new(question.name())
         .about(question.doc())
         .args(question.keys().iter().enumerate().map(|(i, key)| option(key, i == 0)))
         .args([
@@ -77,7 +77,11 @@ fn verb(question: &'static dyn Ask) -> Command {
                 .help("Number of threads [default: one per processor]; the result does not depend on it")
                 .value_parser(value_parser!(u16).range(1..=1024)),
         ])
-        .after_help(after_help(question))
+        .after_help(after_help(question));
+    if question.name() == CONVERT.name() {
+        return textures::TextureArguments::augment_args(verb).about(question.doc());
+    }
+    verb
 }
 
 /// Paragraphs, the columns and examples.
@@ -114,7 +118,8 @@ fn option(key: &Described, is_first: bool) -> Arg {
         Kind::Flag => return argument.action(ArgAction::SetTrue),
         Kind::Word(words) => argument.value_parser(PossibleValuesParser::new(words.clone())),
         Kind::Path | Kind::Document(_) => argument.value_name("FILE"),
-        Kind::Numbers(..) | Kind::Varied(_) | Kind::Words(_) | Kind::Texts(_) => {
+        Kind::Texts(form) => argument.value_name(*form).action(ArgAction::Append),
+        Kind::Numbers(..) | Kind::Varied(_) | Kind::Words(_) => {
             argument.value_name(format!("{},...", key.name.to_uppercase()))
         }
         _ => argument,
@@ -132,6 +137,9 @@ fn sentence(words: &str) -> String {
 impl Asked {
     /// Runs the verb.
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if let Some(done) = textures::run(&self.matches) {
+            return done;
+        }
         let prepared = read(self.question, &self.entries())?;
         let output = self.matches.get_one::<PathBuf>("output").map(PathBuf::as_path);
         let inputs = prepared.files().iter().map(PathBuf::as_path);
@@ -152,6 +160,13 @@ impl Asked {
             if key.kind == Kind::Flag {
                 return self.matches.get_flag(key.name).then(|| Entry::new(key.name, true));
             }
+            if let Kind::Texts(_) = key.kind {
+                let texts = self.matches.get_many::<String>(key.name)?;
+                return Some(Entry::new(
+                    key.name,
+                    texts.map(|text| text.as_str().into()).collect::<Vec<Value>>(),
+                ));
+            }
             let text = self.matches.get_one::<String>(key.name)?;
             Some(Entry::new(key.name, value(&key.kind, text)))
         };
@@ -170,7 +185,7 @@ impl Asked {
                 let format = if format == "json" { TableFormat::Json } else { TableFormat::Csv };
                 format.text(&table.columns, &table.rows)
             }
-            (_, _, None) => String::new(),
+            (_, text, None) => text.clone().unwrap_or_default(),
         };
         answer.notes.iter().for_each(|note| messages::print_note(note));
         answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
@@ -196,7 +211,8 @@ pub(crate) fn ask(question: &dyn Ask, entries: &[Entry]) -> Result<Answer, Failu
 }
 
 fn read(question: &dyn Ask, entries: &[Entry]) -> Result<Box<dyn Prepared>, Failure> {
-    question.read(&Provenance::part("").spelled(Spelling::Flags), entries).map_err(wrong)
+    let source = Provenance::part("").of(question.name()).spelled(Spelling::Flags);
+    question.read(&source, entries).map_err(wrong)
 }
 
 /// The answer, with progress, unless Ctrl-C ends the work.
@@ -213,13 +229,13 @@ fn answer(prepared: &dyn Prepared) -> Result<Answer, Failure> {
 pub(crate) fn value(kind: &Kind, text: &str) -> Value {
     let parts = || text.split(',').map(str::trim);
     match kind {
-        Kind::Number(_) | Kind::Whole(_) => number(text),
-        Kind::Numbers(..) => parts().map(number).collect::<Vec<Value>>().into(),
+        Kind::Numbers(..) if text.contains(',') => parts().map(number).collect::<Vec<Value>>().into(),
+        Kind::Number(_) | Kind::Whole(_) | Kind::Numbers(..) => number(text),
         Kind::Varied(_) => match parts().map(str::parse).collect::<Result<Vec<f64>, _>>() {
             Ok(numbers) => Content::Numbers(numbers.into()).into(),
             Err(_) => text.into(),
         },
-        Kind::Words(_) | Kind::Texts(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
+        Kind::Words(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
         _ => text.into(),
     }
 }

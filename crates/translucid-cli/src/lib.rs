@@ -8,7 +8,6 @@ mod ask;
 mod command_line;
 mod compare;
 mod completions;
-mod convert;
 mod devices;
 mod export;
 mod failure;
@@ -33,6 +32,7 @@ mod render;
 mod sample;
 mod skin;
 mod table;
+mod textures;
 mod view;
 
 use std::ffi::OsString;
@@ -75,7 +75,6 @@ enum Verb {
     Asked(ask::Asked),
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
-    Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
     Oracle(oracle::OracleArguments),
@@ -258,7 +257,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Reference(arguments) => reference::run(&arguments),
         Verb::Fit(arguments) => fit::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
-        Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
         Verb::Oracle(arguments) => oracle::run(&arguments),

@@ -17,7 +17,9 @@ use translucid_desk::{Ask, QUESTIONS};
 use translucid_words::{Described, Kind, Spelling};
 
 /// Questions that Python has under another name and signature, written by hand.
-const OWN_IN_PYTHON: [&str; 1] = ["layers"];
+const OWN_IN_PYTHON: [&str; 2] = ["layers", "convert"];
+/// Those that JavaScript has so.
+const OWN_IN_JAVASCRIPT: [&str; 1] = ["convert"];
 
 /// Pages of the guide with tables of options.
 const PAGES: [(&str, &[&str]); 2] =
@@ -276,6 +278,10 @@ fn python_keys(kind: &Kind, indent: &str) -> String {
     text
 }
 
+fn of_javascript() -> impl Iterator<Item = &'static dyn Ask> {
+    QUESTIONS.into_iter().filter(|question| !OWN_IN_JAVASCRIPT.contains(&question.name()))
+}
+
 fn javascript() -> String {
     let function = |question: &dyn Ask| match first_required(question) {
         Some(first) => format!(
@@ -285,7 +291,7 @@ fn javascript() -> String {
         ),
         None => format!("export const {0} = (options = {{}}) => ask({0:?}, options);\n", question.name()),
     };
-    QUESTIONS.into_iter().map(function).collect()
+    of_javascript().map(function).collect()
 }
 
 /// The key that a function takes first.
@@ -295,7 +301,7 @@ fn first_required(question: &dyn Ask) -> Option<String> {
 }
 
 fn types() -> String {
-    QUESTIONS.into_iter().map(type_of).collect()
+    of_javascript().map(type_of).collect()
 }
 
 fn type_of(question: &dyn Ask) -> String {

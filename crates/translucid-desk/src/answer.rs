@@ -79,7 +79,7 @@ pub struct Question<T: 'static> {
     pub columns: &'static [Column],
     /// Whether the answer has a text for people.
     pub has_text: bool,
-    /// The answer.
+    /// The answer; errors have keys in backquotes, which doors see as they spell them.
     pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
 }
 
@@ -169,6 +169,8 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
             asked: T,
             context: Context,
             answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
+            /// Keys in backquotes, and how the door spells them.
+            names: Vec<[String; 2]>,
         }
         impl<T: Send + Sync> Prepared for Read<T> {
             fn files(&self) -> &[PathBuf] {
@@ -176,7 +178,15 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
             }
 
             fn answer(&self, control: &Control<'_>) -> Result<Answer, Unanswered> {
-                let mut answer = (self.answer)(&self.asked, &self.context, control)?;
+                let spell =
+                    |text: String| self.names.iter().fold(text, |text, [key, name]| text.replace(key, name));
+                let answer = (self.answer)(&self.asked, &self.context, control);
+                let mut answer = answer.map_err(|reason| match reason {
+                    Unanswered::Input(Error { message, place, help }) => {
+                        Unanswered::Input(Error { message: spell(message), place, help: help.map(spell) })
+                    }
+                    other => other,
+                })?;
                 answer.notes.splice(0..0, self.context.notes.iter().cloned());
                 Ok(answer)
             }
@@ -184,7 +194,8 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         let mut context = context();
         let table = Table::root(source, entries).allow(&self.thing.keys())?;
         let asked = self.thing.read(&table, &mut context)?;
-        Ok(Box::new(Read { asked, context, answer: self.answer }))
+        let names = self.thing.keys().into_iter().map(|key| [format!("`{key}`"), table.name_of(key)]);
+        Ok(Box::new(Read { asked, context, answer: self.answer, names: names.collect() }))
     }
 }
 

@@ -8,6 +8,8 @@
 //! Options, progress bars, formats of tables, threads: those are the doors'. Computing: that is of the crates below.
 
 mod answer;
+mod conversion_table;
+mod convert;
 mod files;
 mod layers;
 mod phase_function;
@@ -17,6 +19,7 @@ mod stack;
 pub mod wrong;
 
 pub use answer::{Answer, Ask, Control, NamedFile, Prepared, Question, Unanswered};
+pub use convert::CONVERT;
 #[cfg(not(target_family = "wasm"))]
 pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
@@ -24,4 +27,4 @@ pub use phase_function::{is_phase_file, read_phase_file};
 pub use stack::STACK;
 
 /// Every question.
-pub const QUESTIONS: [&dyn Ask; 2] = [&LAYERS, &STACK];
+pub const QUESTIONS: [&dyn Ask; 3] = [&LAYERS, &STACK, &CONVERT];

@@ -49,8 +49,6 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(ask::_wrong_questions, module)?,
         wrap_pyfunction!(fit::fit, module)?,
         wrap_pyfunction!(fit::fit_scaling, module)?,
-        wrap_pyfunction!(convert::_convert, module)?,
-        wrap_pyfunction!(convert::_wall_slab, module)?,
         wrap_pyfunction!(convert::_conversion_systems, module)?,
         wrap_pyfunction!(convert::_cycles_material, module)?,
         wrap_pyfunction!(convert::_preset, module)?,

@@ -147,12 +147,33 @@ export class HalfSpace extends Owner {
     beyond = (r) => apply(this[HANDLE], "beyond", r, estimates);
 }
 
-export const convert = (source, parameters, options) => conversion("convert", { ...options, source, parameters });
-export const slab = (options) => conversion("slab", options);
+export function convert(source, parameters, { settings, ...options } = {}) {
+    const set = Object.entries(settings ?? {}).flatMap(([system, values]) => told(system, values));
+    const said = { ...options, from: told(source, parameters), set: set.length > 0 ? set : undefined };
+    return conversion(said, (message) => message.replace(/^from\b/, "source").replace(/^set\b/, "settings"));
+}
+
 export const cyclesMaterial = (method, options) => call("cyclesMaterial", { options: { ...options, method } });
 
-function conversion(name, options) {
-    const { numbers, notes } = call(name, { options });
+export const slab = ({ color, balance, ...options }) =>
+    conversion({ ...options, wallColor: color, wallBalance: balance }, (message) =>
+        message.replaceAll("wallColor", "color").replaceAll("wallBalance", "balance"),
+    );
+
+/** Parameters of a system, as the question takes them. */
+const told = (system, parameters) => Object.entries(parameters ?? {}).map(([name, value]) => `${system}:${name}=${value}`);
+
+function conversion(said, renamed) {
+    let answer;
+    try {
+        answer = ask("convert", said);
+    } catch (error) {
+        error.message = renamed(error.message);
+        throw error;
+    }
+    const { columns, notes } = answer;
+    const names = Object.keys(columns);
+    const numbers = columns.value.map((_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
     const values = {};
     for (const { system, parameter, channel, value } of numbers) {
         const of = (values[system] ??= {});

@@ -91,8 +91,6 @@ impl Shared {
             "total" => return Ok(self.profile(index)?.surface_albedo().into()),
             "apply" => return self.apply(index, options),
             "free" => return Ok(self.free(index)),
-            "convert" => return conversion::convert(options),
-            "slab" => return conversion::slab(options),
             "cyclesMaterial" => return conversion::cycles_material(options),
             "systems" => return Ok(conversion::systems()),
             "presets" => return Ok(conversion::presets()),

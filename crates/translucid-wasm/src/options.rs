@@ -77,11 +77,6 @@ impl Options {
             nearest(name, self.known).map_or(all.clone(), |near| format!("did you mean \"{near}\"? {all}"));
         Err(format!("there is no option {name:?} ({help})"))
     }
-
-    /// All options, whatever their names.
-    pub(crate) fn into_entries(self) -> Map<String, Value> {
-        self.entries
-    }
 }
 
 pub(crate) fn number(name: &str, value: &Value) -> Result<f64, String> {

@@ -354,7 +354,6 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--from renderman:dmfp=1,2,3 --surface-albedo 0.5", "is one for all channels"),
         ("--from renderman:unitLength=1 --surface-albedo 0.5", "does not say a length"),
         ("--from renderman:dmfp=2", "--surface-albedo is missing"),
-        ("--from renderman:dmfp=2 --surface-albedo 1.2", "--surface-albedo is 1.2, but must be in [0, 1]"),
         ("--from renderman:dmfp=2 --surface-albedo 0.1,0.2", "--surface-albedo has 2 numbers"),
         ("--from renderman:dmfp=0 --surface-albedo 0.5", "Lambertian"),
         ("--from renderman:dmfp=-1 --surface-albedo 0.5", "--from renderman:dmfp is -1, but must be"),
@@ -374,7 +373,6 @@ fn wrong_input_is_told_what_is_allowed() {
             "--from translucid:d=1 --surface-albedo 0.5 --to hdrp --set renderman:unitLength=1",
             "--to leaves out",
         ),
-        ("--from translucid:d=1 --surface-albedo 0.5 --unit inch", "--unit"),
         ("--from gltf:attenuationDistance=1 --surface-albedo 0.5", "--from gltf:attenuationColor is missing"),
         (
             "--from gltf:attenuationColor=0.5 --surface-albedo 0.5",
@@ -400,24 +398,6 @@ fn wrong_input_is_told_what_is_allowed() {
             "--from gltf:attenuationDistance=0 --from gltf:attenuationColor=0.5 --surface-albedo 0.5",
             "gltf:attenuationDistance is 0, but must be above 0",
         ),
-        (
-            "--from translucid:d=1 --surface-albedo 0.5 --thin 0",
-            "--thin is 0, but must be finite and above 0",
-        ),
-        (
-            "--from translucid:d=1 --surface-albedo 0.5 --thin -1",
-            "--thin is -1, but must be finite and above 0",
-        ),
-        (
-            "--from translucid:d=1 --surface-albedo 0.5 --thin nan",
-            "--thin is NaN, but must be finite and above 0",
-        ),
-        (
-            "--from translucid:d=1 --surface-albedo 0.5 --thin 1 --g 1",
-            "--g is 1, but must be in [-0.95, 0.95]",
-        ),
-        ("--from translucid:d=1 --surface-albedo 0.5 --thin 1 --eta 4", "--eta is 4, but must be in [1, 3]"),
-        ("--from translucid:d=1 --surface-albedo 1.2 --thin 1", "--surface-albedo is 1.2"),
         ("--from translucid:d=1 --surface-albedo 0.5 --g 0.5", "--thin"),
         ("--from translucid:d=1 --surface-albedo 0.5 --thin 1 --to hdrp", "--to"),
         (
@@ -434,14 +414,9 @@ fn wrong_input_is_told_what_is_allowed() {
         ),
         ("--wall-color 0.5", "--wall-balance"),
         ("--wall-balance 0.5", "--wall-color"),
-        ("--wall-color 1.2 --wall-balance 0.5", "--wall-color is 1.2, but must be in (0, 1]"),
-        ("--wall-color 0.5,nan,0.5 --wall-balance 0.5", "--wall-color is NaN, but must be in (0, 1]"),
         ("--wall-color 0.5,0.2 --wall-balance 0.5", "number of colors is 2, but must be 1 or 3"),
-        ("--wall-color 0.5 --wall-balance 0", "--wall-balance is 0, but must be in (0, 1]"),
         ("--wall-color 0.5 --wall-balance 1e-5", "--wall-balance is 1e-5, but must be greater: no slab"),
         ("--wall-color 0.9 --wall-balance 1 --eta 1.5", "--wall-balance is 1, but must be less: no slab"),
-        ("--wall-color 0.5 --wall-balance 0.5 --thin 0", "--thin is 0, but must be finite and above 0"),
-        ("--wall-color 0.5 --wall-balance 0.5 --eta 0.5", "--eta is 0.5, but must be in [1, 3]"),
         ("--wall-color 0.5 --wall-balance 0.5 --from hdrp:scatteringDistance=1", "--from"),
         (
             "--from translucid:d=1 --surface-albedo 0.1,0.9,0.1 --from-color-space acescg --color-space lin_rec709",

@@ -134,8 +134,7 @@ test("conversions are the command's", () => {
     assert.equal(cycles.values["cycles-burley"].subsurface_scale, 2.999247970026346);
     assert.ok(translucid.systems().some((system) => system.name === "pbrt" && system.unit));
     refused(() => convert("rendermann", { dmfp: 20 }), /rendermann.*did you mean/);
-    refused(() => convert("renderman", { dmfp: "a" }), 'dmfp is "a", but must be a number');
-    refused(() => convert("renderman", { dmfp: 20 }, { unit: "inch" }), 'unit is "inch", but must be one of mm, cm, m');
+    refused(() => convert("renderman", { dmfp: "a" }), /^source renderman:dmfp is "a", but must be a number/);
 });
 
 test("materials of Cycles are what the conversion says", () => {
@@ -174,18 +173,15 @@ test("wrong conversions are refused in one line, by name", () => {
     const plain = (options, parameters = { mfp: 1 }) => () => convert("translucid", parameters, { surfaceAlbedo: 0.5, ...options });
     for (const [f, message] of [
         [plain({ colorSpace: "srgb" }), /^colorSpace is "srgb", but must be one of lin_rec709, .*did you mean lin_rec709\?/],
-        [plain({ fromColorSpace: "acescg" }), /^colorSpace is missing/],
-        [plain({ thin: 0 }), "thin is 0, but must be finite and above 0"],
-        [plain({ thin: 1, g: 1 }), "g is 1, but must be in [-0.95, 0.95]"],
-        [plain({ thin: 1, eta: 4 }), "eta is 4, but must be in [1, 3]"],
-        [plain({ g: 0.5 }), /^g is that of a slab/],
-        [plain({ thin: 1, to: "hdrp" }), /^thin gives the numbers of thin walls/],
+        [plain({ fromColorSpace: "acescg" }), /^fromColorSpace is given without colorSpace$/],
+        [plain({ g: 0.5 }), /^g is given without thin/],
+        [plain({ thin: 1, to: "hdrp" }), /^thin and to are given, but only one/],
         [plain({ surfaceAlbedo: 1.2 }), "surfaceAlbedo is 1.2, but must be in [0, 1]"],
         [plain({}, { mfp: -1 }), /^source translucid:mfp is -1, but must be/],
         [() => convert("gltf", { attenuationDistance: 1 }, { surfaceAlbedo: 0.5 }), /^source gltf:attenuationColor is missing/],
         [() => slab({ color: 1.2, balance: 0.5 }), "color is 1.2, but must be in (0, 1]"],
         [() => slab({ color: 0.9, balance: 1, eta: 1.5 }), /^balance is 1, but must be less: no slab/],
-        [() => slab({ color: 0.5 }), "balance is missing"],
+        [() => slab({ color: 0.5 }), "color needs balance beside it"],
     ]) {
         refused(f, message);
     }

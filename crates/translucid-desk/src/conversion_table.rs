@@ -1,36 +1,23 @@
-//! Rows as CSV, JSON or text for people.
+//! Converted numbers as a table and as text for people.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
-use translucid_files::check_writable;
 use translucid_profile::convention::{ConvertedNumber, Role, System};
-use translucid_words::Cell;
+use translucid_words::{Cell, Column, exact};
 
-use crate::failure::Failure;
-use crate::files::write_file;
-use crate::table::{ReadableFormat, exact, print};
-
-/// Writes numbers to a file or to stdout.
-pub(super) fn write(
-    numbers: &[ConvertedNumber],
-    format: ReadableFormat,
-    path: Option<&Path>,
-) -> Result<(), Failure> {
-    let rows: Vec<Vec<Cell>> = numbers.iter().map(cells).collect();
-    let text = format.text(&COLUMNS, &rows, || paragraphs(numbers));
-    write_text(&text, path)
-}
-
-/// Writes a text to a file or to stdout.
-pub(super) fn write_text(text: &str, path: Option<&Path>) -> Result<(), Failure> {
-    let Some(path) = path else { return print(text) };
-    check_writable(path)?;
-    write_file(path, text.as_bytes())
-}
+#[rustfmt::skip]
+pub(crate) static COLUMNS: [Column; 7] = [
+    Column::new("system", "", "system of the number; slab, or color space"),
+    Column::new("parameter", "", "its parameter"),
+    Column::new("channel", "", "all, or r, g, b"),
+    Column::new("value", "", "the number, in the unit of its row"),
+    Column::new("unit", "", "unit of a length or a coefficient"),
+    Column::new("equal", "", "what the conversion keeps: surface_albedo, the width d of Burley's profile, or mfp; empty where nothing is"),
+    Column::new("source", "", "how the rule was seen (code, document or measured pictures; exact or computed for numbers of no system's), and where"),
+];
 
 /// Every system with its versions, how its rule was seen, its parameters and the rule, a line each.
-pub(super) fn list() -> String {
+pub(crate) fn list() -> String {
     let row = |cells: [&str; 5]| {
         let [system, unit, seen, version, rule] = cells;
         format!("{system:<21}  {unit:<9}  {seen:<8}  {version:<23}  {rule}\n")
@@ -54,9 +41,8 @@ pub(super) fn list() -> String {
     text
 }
 
-pub(super) const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
-
-fn cells(row: &ConvertedNumber) -> Vec<Cell> {
+/// Cells of a row.
+pub(crate) fn cells(row: &ConvertedNumber) -> Vec<Cell> {
     vec![
         Cell::from(row.system),
         Cell::from(row.parameter),
@@ -69,7 +55,7 @@ fn cells(row: &ConvertedNumber) -> Vec<Cell> {
 }
 
 /// Numbers by their systems, each in the ways to specify a material in it.
-fn paragraphs(rows: &[ConvertedNumber]) -> String {
+pub(crate) fn paragraphs(rows: &[ConvertedNumber]) -> String {
     // What no rule of a system gives stands in wider columns of its own
     let is_plain = |row: &ConvertedNumber| row.way.is_none();
     let longest = |plain: bool| {

@@ -1,15 +1,16 @@
-//! Textures of surface albedos and mean free paths in another color space.
+//! `translucid convert --albedo-texture`: textures of surface albedos and mean free paths in another color space.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgMatches, Args};
 use rayon::prelude::*;
 use translucid_image::{Picture, PictureChannel};
 use translucid_load::load_plain_image;
 use translucid_profile::Configuration;
-use translucid_profile::convention::{ArgumentNames, ColorSpaces, TexelMixer};
+use translucid_profile::convention::{ArgumentNames, ColorSpaces, LINEAR_SPACES, TexelMixer};
 use translucid_scene::{ColorSpace, Image};
+use translucid_words::Word;
 
 use crate::failure::Failure;
 use crate::files::{Directory, input_among};
@@ -18,9 +19,9 @@ use crate::messages;
 /// Files that are written: albedos, and mean free paths in the unit of those that were read.
 const FILES: [&str; 2] = ["surface_albedo.exr", "mfp.exr"];
 
-/// The textures.
+/// The textures, beside the options of the question *convert*.
 #[derive(Args, Debug)]
-pub(super) struct TextureArguments {
+pub(crate) struct TextureArguments {
     /// Texture of surface albedos, converted to --color-space with that of mean free paths; -o names a directory for both
     #[arg(long, value_name = "FILE", requires_all = ["mfp_texture", "color_space", "output"],
         conflicts_with_all = ["from", "surface_albedo", "wall_color", "thin", "to", "set", "to_unit"])]
@@ -30,22 +31,33 @@ pub(super) struct TextureArguments {
     mfp_texture: Option<PathBuf>,
 }
 
-impl TextureArguments {
-    /// Both files, if they are asked for.
-    pub(super) fn files(&self) -> Option<[&Path; 2]> {
-        Some([self.albedo_texture.as_deref()?, self.mfp_texture.as_deref()?])
-    }
+const NAMES: ArgumentNames = ArgumentNames {
+    color_space: "--color-space",
+    from_color_space: "--from-color-space",
+    ..ArgumentNames::FIELDS
+};
+
+/// Converts the textures, if the options of *convert* name them.
+pub(crate) fn run(options: &ArgMatches) -> Option<Result<(), Failure>> {
+    let file = |name| options.try_get_one::<PathBuf>(name).ok().flatten();
+    let text = |name| options.get_one::<String>(name);
+    let paths = [file("albedo_texture")?, file("mfp_texture")?].map(PathBuf::as_path);
+    let from = text("from_color_space").map_or(LINEAR_SPACES[0], String::as_str);
+    let spaces = ColorSpaces { from, to: text("color_space")? };
+    let name = text("configuration");
+    let known = Configuration::WORDS.iter().find(|(word, _)| name.is_some_and(|name| name == word));
+    let configuration = known.map_or(Configuration::Diffuse, |(_, configuration)| *configuration);
+    Some(convert(paths, spaces, configuration, file("output")?))
 }
 
 /// Converts the textures of albedos and mean free paths, and writes them to a directory.
-pub(super) fn run(
+fn convert(
     paths: [&Path; 2],
     spaces: ColorSpaces<'_>,
-    names: &ArgumentNames,
     configuration: Configuration,
     output: &Path,
 ) -> Result<(), Failure> {
-    spaces.matrix(names)?;
+    spaces.matrix(&NAMES)?;
     let mixer = TexelMixer::new(spaces.from, spaces.to, configuration)
         .ok_or_else(|| Failure::input("the color space is not known"))?;
     // Integers are albedos by the curve of sRGB, and mean free paths as they are
