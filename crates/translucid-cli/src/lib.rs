@@ -31,7 +31,6 @@ mod radii;
 mod reference;
 mod render;
 mod sample;
-mod skin;
 mod table;
 mod view;
 
@@ -78,7 +77,6 @@ enum Verb {
     Measure(measure::MeasureArguments),
     Oracle(oracle::OracleArguments),
     Judge(judge::JudgeArguments),
-    Skin(skin::SkinArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
@@ -263,7 +261,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Measure(arguments) => measure::run(&arguments),
         Verb::Oracle(arguments) => oracle::run(&arguments),
         Verb::Judge(arguments) => judge::run(&arguments),
-        Verb::Skin(arguments) => skin::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Devices => devices::run(),

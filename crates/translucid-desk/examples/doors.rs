@@ -13,15 +13,18 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use translucid_desk::{Ask, QUESTIONS};
+use translucid_desk::{Ask, IN_WASM, QUESTIONS};
 use translucid_words::{Described, Kind, Spelling};
 
 /// Questions that Python has under another name and signature, written by hand.
 const OWN_IN_PYTHON: [&str; 1] = ["layers"];
 
 /// Pages of the guide with tables of options.
-const PAGES: [(&str, &[&str]); 2] =
-    [("docs/guide/stack.md", &["stack"]), ("docs/guide/layers.md", &["layers"])];
+const PAGES: [(&str, &[&str]); 3] = [
+    ("docs/guide/stack.md", &["stack"]),
+    ("docs/guide/layers.md", &["layers"]),
+    ("docs/guide/skin.md", &["skin"]),
+];
 
 fn main() -> ExitCode {
     let written = files().and_then(|files| {
@@ -204,6 +207,7 @@ fn python_kind(kind: &Kind) -> String {
         Kind::Word(words) => {
             format!("{{{}}}", words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(", "))
         }
+        Kind::Words(words) => python_kind(&Kind::Word(words.clone())) + ", or a list of them",
         Kind::Numbers(..) | Kind::Varied(_) => "array_like".into(),
         Kind::Text(form) => format!("str: {form}"),
         Kind::Texts(form) => format!("list of str: {form}"),
@@ -242,8 +246,11 @@ fn python_function(question: &dyn Ask) -> String {
     }
     text += "    threads : int, optional\n        Number of threads; by default one per processor. The answer does not depend on it.\n    \
              progress : callable, bool or \"tqdm\", optional\n        Called now and then with the parts done and the parts in all, \
-             and an exception ends the call; True for a bar.\n\n    Returns\n    -------\n    Answer\n        Columns by their \
-             names, with `text`, `files` and `notes` beside them:\n\n";
+             and an exception ends the call; True for a bar.\n\n    Returns\n    -------\n    Answer\n";
+    text += match question.formats() {
+        [] => "        Without columns: `files` are its files by their names.\n",
+        _ => "        Columns by their names, with `text`, `files` and `notes` beside them:\n\n",
+    };
     for column in question.columns() {
         let unit = match column.unit {
             "" | "1" => String::new(),
@@ -285,7 +292,7 @@ fn javascript() -> String {
         ),
         None => format!("export const {0} = (options = {{}}) => ask({0:?}, options);\n", question.name()),
     };
-    QUESTIONS.into_iter().map(function).collect()
+    IN_WASM.into_iter().map(function).collect()
 }
 
 /// The key that a function takes first.
@@ -295,7 +302,7 @@ fn first_required(question: &dyn Ask) -> Option<String> {
 }
 
 fn types() -> String {
-    QUESTIONS.into_iter().map(type_of).collect()
+    IN_WASM.into_iter().map(type_of).collect()
 }
 
 fn type_of(question: &dyn Ask) -> String {

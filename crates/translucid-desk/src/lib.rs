@@ -11,17 +11,28 @@ mod answer;
 mod files;
 mod layers;
 mod phase_function;
+#[cfg(not(target_family = "wasm"))]
+mod skin;
 mod spectra;
 mod stack;
 #[doc(hidden)]
 pub mod wrong;
 
-pub use answer::{Answer, Ask, Control, NamedFile, Prepared, Question, Unanswered};
+pub use answer::{Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
 #[cfg(not(target_family = "wasm"))]
 pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
 pub use phase_function::{is_phase_file, read_phase_file};
+#[cfg(not(target_family = "wasm"))]
+pub use skin::SKIN;
 pub use stack::STACK;
 
 /// Every question.
-pub const QUESTIONS: [&dyn Ask; 2] = [&LAYERS, &STACK];
+#[cfg(not(target_family = "wasm"))]
+pub const QUESTIONS: [&dyn Ask; 3] = [&LAYERS, &STACK, &SKIN];
+/// Every question.
+#[cfg(target_family = "wasm")]
+pub const QUESTIONS: [&dyn Ask; 2] = IN_WASM;
+
+/// Questions that WebAssembly has, where the reference has no walks.
+pub const IN_WASM: [&dyn Ask; 2] = [&LAYERS, &STACK];

@@ -343,4 +343,230 @@ export interface Answer {
 }
 
 // questions
+/** Options of {@link layers}. */
+export interface LayersOptions {
+    /** How light arrives. Default: searchlight along the normal. */
+    configuration?: "searchlight" | "diffuse";
+    /** Angle of a beam above, in degrees from the normal, in [0, 90). */
+    incidenceAngle?: number;
+    /** Error at which no finer rule is needed, in [1e-12, 0.1]. Profiles take no less than 1e-4; from 5e-3 on they are two to six times faster. Default: 1e-6 of the light in totals, 1e-4 of the value in profiles. */
+    tolerance?: number;
+    /** Distances from the beam [L], at least 0; without them totals are computed. */
+    r?: number | ArrayLike<number>;
+}
+/**
+ * Light that plane layers reflect, transmit and absorb, or its profile around a beam.
+ *
+ * Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered
+ * light only, around a beam along the normal.
+ *
+ * - `specular_reflectance`: part of the light that returns without having been scattered
+ * - `diffuse_reflectance`: part of the light that returns scattered
+ * - `collimated_transmittance`: part of the light that leaves below without having been scattered
+ * - `diffuse_transmittance`: part of the light that leaves below scattered
+ * - `absorbed_by_layer_1`: part of the light that a layer absorbs, a column for each
+ * - `absorbed_by_ground`: part of the light that a ground absorbs
+ * - `error`: estimated numerical error of each part
+ */
+export function layers(layers: {
+    /** Medium above the layers. Default: air. */
+    above?: {
+        /** Its index of refraction, in [0.1, 10]. Default: 1. */
+        eta?: number | ArrayLike<number>;
+    };
+    /** Layers from top to bottom. */
+    layer: {
+        /** Thickness [L], at least 1e-30, or inf; the last layer may go without it, and is endless then. Default: inf. */
+        thickness?: number | ArrayLike<number>;
+        /** Scattering coefficient [1/L], in [0, 1e30], with `absorption`. */
+        scattering?: number | ArrayLike<number>;
+        /** Absorption coefficient [1/L], in [0, 1e30], with `scattering`. */
+        absorption?: number | ArrayLike<number>;
+        /** Share of diffuse light that an endless layer of this medium would return without a boundary, in (0, 1], with `mfp`. */
+        surfaceAlbedo?: number | ArrayLike<number>;
+        /** Mean free path [L], in [1e-30, 1e30], with `surface_albedo`. */
+        mfp?: number | ArrayLike<number>;
+        /** A printer's filament, in place of coefficients. */
+        filament?: {
+            /** Color of a thick piece without its gloss, linear Rec. 709 or "#rrggbb". */
+            color: string;
+            /** Thickness of a sheet that lets the part `transmitted` of the light through [L], in [1e-30, 1e30]. */
+            transmissionDistance: number;
+            /** Part of the light that passes a sheet of the transmission distance, in (0, 1); sources disagree on it: 0.37 (1/e), 0.1, 0.05, or next to nothing, 0.01. */
+            transmitted: number;
+        };
+        /** Mean cosine of Henyey and Greenstein's phase function, in (-1, 1). Default: 0. */
+        g?: number | ArrayLike<number>;
+        /** Legendre moments 1, 2, ... of another phase function. */
+        moments?: number | ArrayLike<number>;
+        /** Another phase function: henyey-greenstein, rayleigh, two-term:W,G1,G2, moments:X1,X2,..., or a FILE.csv. */
+        phaseFunction?: string;
+        /** Index of refraction, in [0.1, 10]. Default: 1. */
+        eta?: number | ArrayLike<number>;
+    }[];
+    /** Medium or ground below the layers. Default: nothing below an endless layer, else air. */
+    below?: {
+        /** Index of refraction of a clear medium, in [0.1, 10]. */
+        eta?: number | ArrayLike<number>;
+        /** Part of the light that a ground in contact with the last layer returns, in [0, 1]. */
+        reflectance?: number | ArrayLike<number>;
+    };
+    /** Black and white grounds, for colors. Default: black and white. */
+    grounds?: {
+        /** Reflectance of the black ground, in [0, 1]. Default: 0. */
+        black?: number | ArrayLike<number>;
+        /** Reflectance of the white ground, in [0, 1]. Default: 1. */
+        white?: number | ArrayLike<number>;
+        /** Contact of the layers with the grounds. Default: optical. */
+        contact?: "optical" | "air";
+    };
+} | {
+    /** Thickness [L], at least 1e-30, or inf; the last layer may go without it, and is endless then. Default: inf. */
+    thickness?: number | ArrayLike<number>;
+    /** Scattering coefficient [1/L], in [0, 1e30], with `absorption`. */
+    scattering?: number | ArrayLike<number>;
+    /** Absorption coefficient [1/L], in [0, 1e30], with `scattering`. */
+    absorption?: number | ArrayLike<number>;
+    /** Share of diffuse light that an endless layer of this medium would return without a boundary, in (0, 1], with `mfp`. */
+    surfaceAlbedo?: number | ArrayLike<number>;
+    /** Mean free path [L], in [1e-30, 1e30], with `surface_albedo`. */
+    mfp?: number | ArrayLike<number>;
+    /** A printer's filament, in place of coefficients. */
+    filament?: {
+        /** Color of a thick piece without its gloss, linear Rec. 709 or "#rrggbb". */
+        color: string;
+        /** Thickness of a sheet that lets the part `transmitted` of the light through [L], in [1e-30, 1e30]. */
+        transmissionDistance: number;
+        /** Part of the light that passes a sheet of the transmission distance, in (0, 1); sources disagree on it: 0.37 (1/e), 0.1, 0.05, or next to nothing, 0.01. */
+        transmitted: number;
+    };
+    /** Mean cosine of Henyey and Greenstein's phase function, in (-1, 1). Default: 0. */
+    g?: number | ArrayLike<number>;
+    /** Legendre moments 1, 2, ... of another phase function. */
+    moments?: number | ArrayLike<number>;
+    /** Another phase function: henyey-greenstein, rayleigh, two-term:W,G1,G2, moments:X1,X2,..., or a FILE.csv. */
+    phaseFunction?: string;
+    /** Index of refraction, in [0.1, 10]. Default: 1. */
+    eta?: number | ArrayLike<number>;
+}[], options?: LayersOptions): Answer;
+
+/** Options of {@link stack}. */
+export interface StackOptions {
+    /** Light: daylight of 6504 K, that of printing of 5003 K, or incandescent light. Default: d65. */
+    illuminant?: "d65" | "d50" | "a";
+    /** Field of view of the observer in degrees: CIE 1931 or CIE 1964. Default: 2. */
+    observer?: "2" | "10";
+    /** Light that returns without having been scattered: included is what recipes and quality control use. Default: included. */
+    specular?: "included" | "excluded";
+    /** Print reflectances and transmittances by wavelength or channel instead of colors. Default: false. */
+    channels?: boolean;
+}
+/**
+ * Prints the color of plane layers over black, white and their own ground, and draws a swatch.
+ *
+ * The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec.
+ * 709), or a table over wavelengths in nm, and a layer may be a filament by its color and transmission distance.
+ * [grounds] has the reflectances of black and white. Everything is what an instrument of the geometry d:8 measures:
+ * light from everywhere, viewed at 8 degrees.
+ *
+ * - `ground`: black, white, or below: that of the layers themselves
+ * - `reflectance`: reflectance of luminance
+ * - `transmittance`: transmittance of luminance; none over a ground
+ * - `X`: CIE X, where Y is 100 for the perfect diffuser
+ * - `Y`: CIE Y
+ * - `Z`: CIE Z
+ * - `L`: CIELAB L*
+ * - `a`: CIELAB a*
+ * - `b`: CIELAB b*
+ * - `srgb`: the color of a display
+ * - `in_srgb`: no where srgb is only the nearest color of a display
+ * - `error`: numerical error, at most, in Delta E*ab
+ * - `kubelka_munk_reflectance`: reflectance by Kubelka and Munk with Saunderson's correction
+ * - `kubelka_munk_delta_e`: distance of its color in Delta E*ab
+ * - `tp_ab`: Delta E*ab between the layers over white and over black, the same in each row
+ * - `tp_2000`: CIEDE2000 between them
+ * - `contrast_ratio`: Y over black / Y over white
+ */
+export function stack(layers: {
+    /** Medium above the layers. Default: air. */
+    above?: {
+        /** Its index of refraction, in [0.1, 10]. Default: 1. */
+        eta?: number | ArrayLike<number>;
+    };
+    /** Layers from top to bottom. */
+    layer: {
+        /** Thickness [L], at least 1e-30, or inf; the last layer may go without it, and is endless then. Default: inf. */
+        thickness?: number | ArrayLike<number>;
+        /** Scattering coefficient [1/L], in [0, 1e30], with `absorption`. */
+        scattering?: number | ArrayLike<number>;
+        /** Absorption coefficient [1/L], in [0, 1e30], with `scattering`. */
+        absorption?: number | ArrayLike<number>;
+        /** Share of diffuse light that an endless layer of this medium would return without a boundary, in (0, 1], with `mfp`. */
+        surfaceAlbedo?: number | ArrayLike<number>;
+        /** Mean free path [L], in [1e-30, 1e30], with `surface_albedo`. */
+        mfp?: number | ArrayLike<number>;
+        /** A printer's filament, in place of coefficients. */
+        filament?: {
+            /** Color of a thick piece without its gloss, linear Rec. 709 or "#rrggbb". */
+            color: string;
+            /** Thickness of a sheet that lets the part `transmitted` of the light through [L], in [1e-30, 1e30]. */
+            transmissionDistance: number;
+            /** Part of the light that passes a sheet of the transmission distance, in (0, 1); sources disagree on it: 0.37 (1/e), 0.1, 0.05, or next to nothing, 0.01. */
+            transmitted: number;
+        };
+        /** Mean cosine of Henyey and Greenstein's phase function, in (-1, 1). Default: 0. */
+        g?: number | ArrayLike<number>;
+        /** Legendre moments 1, 2, ... of another phase function. */
+        moments?: number | ArrayLike<number>;
+        /** Another phase function: henyey-greenstein, rayleigh, two-term:W,G1,G2, moments:X1,X2,..., or a FILE.csv. */
+        phaseFunction?: string;
+        /** Index of refraction, in [0.1, 10]. Default: 1. */
+        eta?: number | ArrayLike<number>;
+    }[];
+    /** Medium or ground below the layers. Default: nothing below an endless layer, else air. */
+    below?: {
+        /** Index of refraction of a clear medium, in [0.1, 10]. */
+        eta?: number | ArrayLike<number>;
+        /** Part of the light that a ground in contact with the last layer returns, in [0, 1]. */
+        reflectance?: number | ArrayLike<number>;
+    };
+    /** Black and white grounds, for colors. Default: black and white. */
+    grounds?: {
+        /** Reflectance of the black ground, in [0, 1]. Default: 0. */
+        black?: number | ArrayLike<number>;
+        /** Reflectance of the white ground, in [0, 1]. Default: 1. */
+        white?: number | ArrayLike<number>;
+        /** Contact of the layers with the grounds. Default: optical. */
+        contact?: "optical" | "air";
+    };
+} | {
+    /** Thickness [L], at least 1e-30, or inf; the last layer may go without it, and is endless then. Default: inf. */
+    thickness?: number | ArrayLike<number>;
+    /** Scattering coefficient [1/L], in [0, 1e30], with `absorption`. */
+    scattering?: number | ArrayLike<number>;
+    /** Absorption coefficient [1/L], in [0, 1e30], with `scattering`. */
+    absorption?: number | ArrayLike<number>;
+    /** Share of diffuse light that an endless layer of this medium would return without a boundary, in (0, 1], with `mfp`. */
+    surfaceAlbedo?: number | ArrayLike<number>;
+    /** Mean free path [L], in [1e-30, 1e30], with `surface_albedo`. */
+    mfp?: number | ArrayLike<number>;
+    /** A printer's filament, in place of coefficients. */
+    filament?: {
+        /** Color of a thick piece without its gloss, linear Rec. 709 or "#rrggbb". */
+        color: string;
+        /** Thickness of a sheet that lets the part `transmitted` of the light through [L], in [1e-30, 1e30]. */
+        transmissionDistance: number;
+        /** Part of the light that passes a sheet of the transmission distance, in (0, 1); sources disagree on it: 0.37 (1/e), 0.1, 0.05, or next to nothing, 0.01. */
+        transmitted: number;
+    };
+    /** Mean cosine of Henyey and Greenstein's phase function, in (-1, 1). Default: 0. */
+    g?: number | ArrayLike<number>;
+    /** Legendre moments 1, 2, ... of another phase function. */
+    moments?: number | ArrayLike<number>;
+    /** Another phase function: henyey-greenstein, rayleigh, two-term:W,G1,G2, moments:X1,X2,..., or a FILE.csv. */
+    phaseFunction?: string;
+    /** Index of refraction, in [0.1, 10]. Default: 1. */
+    eta?: number | ArrayLike<number>;
+}[], options?: StackOptions): Answer;
+
 // end of questions

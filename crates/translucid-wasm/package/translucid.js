@@ -173,4 +173,6 @@ export const version = () => call("version");
 const ask = (question, said) => call("ask", { options: { question, said } });
 
 // questions
+export const layers = (layers, options = {}) => ask("layers", { layers, ...options });
+export const stack = (layers, options = {}) => ask("stack", { layers, ...options });
 // end of questions
