@@ -6,6 +6,7 @@
 - `measure`: a material from a photograph, with confidence intervals.
 - `stack`: the color of plane layers over grounds.
 - `skin`: human skin from its pigments.
+- `oracle`: tables of the exact light of lit shapes, of slabs and spheres.
 - `convert`: a material in the numbers of other renderers.
 - `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
@@ -34,7 +35,7 @@ from ._cycles import cycles_material
 from ._measure import Measured, Measurement, measure
 from ._answer import Answer
 from ._presets import presets
-from ._questions import skin, stack
+from ._questions import oracle, skin, stack
 from ._render import Picture, Session, render
 from ._translucid import (
     Fit,
@@ -74,6 +75,7 @@ __all__ = [
     "fit_scaling",
     "measure",
     "models",
+    "oracle",
     "presets",
     "read_exr",
     "reference",

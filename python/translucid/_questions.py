@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ._answer import Answer, answer
 
-__all__ = ["stack", "skin"]
+__all__ = ["stack", "skin", "oracle"]
 
 
 def stack(
@@ -218,3 +218,46 @@ def skin(
     layers.
     """
     return answer("skin", locals())
+
+
+def oracle(
+    *,
+    only: Literal["profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"] | Iterable[Literal["profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"]] | None = None,
+    photons: int | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | bool | Literal["tqdm"] | None = None,
+) -> Answer:
+    """Writes tables of exact light, with errors, that other programs can be tested with.
+
+    Each table is NAME.csv and, with units, meanings, method and command, NAME.json, after schema.json: profile: R(r)
+    and the light within r, of half spaces by surface albedo, g, eta and configuration; edge: light beside the edge of
+    a half plane that is lit: what a screen-space pass should show; disk: light in and around a small disk that is
+    lit; line: light in and beside a thin line that is lit; totals: surface albedo by single-scattering albedo;
+    inversion: single-scattering albedo by surface albedo, and the diffuse mean free path; slabs: light that slabs
+    reflect, pass and absorb; spheres: light that leaves spheres. Lengths are mean free paths. Every number has its
+    error. The files have the same bytes each time. docs/guide/oracle.md shows how to test with them.
+
+    Parameters
+    ----------
+    only : {"profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"}, or a list of them, optional
+        Tables to write. Default: all.
+    photons : int, optional
+        Number of photons of each walk, at least 1000, and of each sphere a tenth. Default: 2000000.
+    threads : int, optional
+        Number of threads; by default one per processor. The answer does not depend on it.
+    progress : callable, bool or "tqdm", optional
+        Called now and then with the parts done and the parts in all, and an exception ends the call; True for a bar.
+
+    Returns
+    -------
+    Answer
+        Without columns: `files` are its files by their names.
+
+    Raises
+    ------
+    ValueError
+        If a key is missing or unknown, a value is outside its range, or shapes do not broadcast; the message names it.
+    TypeError
+        If a value is of a type that no key takes.
+    """
+    return answer("oracle", locals())

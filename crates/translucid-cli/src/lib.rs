@@ -22,7 +22,6 @@ mod merge;
 mod messages;
 mod model;
 mod models;
-mod oracle;
 mod output_lock;
 mod plan;
 mod profile;
@@ -75,7 +74,6 @@ enum Verb {
     Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
-    Oracle(oracle::OracleArguments),
     Judge(judge::JudgeArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
@@ -259,7 +257,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
-        Verb::Oracle(arguments) => oracle::run(&arguments),
         Verb::Judge(arguments) => judge::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),

@@ -10,6 +10,8 @@
 mod answer;
 mod files;
 mod layers;
+#[cfg(not(target_family = "wasm"))]
+mod oracle;
 mod phase_function;
 #[cfg(not(target_family = "wasm"))]
 mod skin;
@@ -22,6 +24,8 @@ pub use answer::{Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unan
 #[cfg(not(target_family = "wasm"))]
 pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
+#[cfg(not(target_family = "wasm"))]
+pub use oracle::ORACLE;
 pub use phase_function::{is_phase_file, read_phase_file};
 #[cfg(not(target_family = "wasm"))]
 pub use skin::SKIN;
@@ -29,7 +33,7 @@ pub use stack::STACK;
 
 /// Every question.
 #[cfg(not(target_family = "wasm"))]
-pub const QUESTIONS: [&dyn Ask; 3] = [&LAYERS, &STACK, &SKIN];
+pub const QUESTIONS: [&dyn Ask; 4] = [&LAYERS, &STACK, &SKIN, &ORACLE];
 /// Every question.
 #[cfg(target_family = "wasm")]
 pub const QUESTIONS: [&dyn Ask; 2] = IN_WASM;
