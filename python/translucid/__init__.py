@@ -6,7 +6,7 @@
 - `measure`: a material from a photograph, with confidence intervals.
 - `stack`: the color of plane layers over grounds.
 - `skin`: human skin from its pigments.
-- `oracle`: tables of the exact light of lit shapes, of slabs and spheres.
+- `judge`, `oracle`: a picture of a lit shape beside the exact light, and tables of that light.
 - `convert`: a material in the numbers of other renderers.
 - `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
@@ -35,7 +35,7 @@ from ._cycles import cycles_material
 from ._measure import Measured, Measurement, measure
 from ._answer import Answer
 from ._presets import presets
-from ._questions import oracle, skin, stack
+from ._questions import judge, oracle, skin, stack
 from ._render import Picture, Session, render
 from ._translucid import (
     Fit,
@@ -73,6 +73,7 @@ __all__ = [
     "cycles_material",
     "fit",
     "fit_scaling",
+    "judge",
     "measure",
     "models",
     "oracle",

@@ -11,7 +11,7 @@ from typing_extensions import Unpack
 from . import reference as reference
 from ._answer import Answer as Answer
 from ._presets import Presets
-from ._questions import oracle as oracle, skin as skin, stack as stack
+from ._questions import judge as judge, oracle as oracle, skin as skin, stack as stack
 
 __version__: Final[str]
 models: Final[list[str]]

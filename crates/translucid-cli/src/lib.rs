@@ -15,7 +15,6 @@ mod failure;
 mod files;
 mod fit;
 mod interrupt;
-mod judge;
 mod machine;
 mod measure;
 mod merge;
@@ -74,7 +73,6 @@ enum Verb {
     Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
-    Judge(judge::JudgeArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
@@ -257,7 +255,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
-        Verb::Judge(arguments) => judge::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Devices => devices::run(),

@@ -9,6 +9,8 @@
 
 mod answer;
 mod files;
+#[cfg(not(target_family = "wasm"))]
+mod judge;
 mod layers;
 #[cfg(not(target_family = "wasm"))]
 mod oracle;
@@ -22,6 +24,8 @@ pub mod wrong;
 
 pub use answer::{Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
 #[cfg(not(target_family = "wasm"))]
+pub use judge::JUDGE;
+#[cfg(not(target_family = "wasm"))]
 pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
 #[cfg(not(target_family = "wasm"))]
@@ -33,7 +37,7 @@ pub use stack::STACK;
 
 /// Every question.
 #[cfg(not(target_family = "wasm"))]
-pub const QUESTIONS: [&dyn Ask; 4] = [&LAYERS, &STACK, &SKIN, &ORACLE];
+pub const QUESTIONS: [&dyn Ask; 5] = [&LAYERS, &STACK, &SKIN, &ORACLE, &JUDGE];
 /// Every question.
 #[cfg(target_family = "wasm")]
 pub const QUESTIONS: [&dyn Ask; 2] = IN_WASM;
