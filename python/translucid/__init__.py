@@ -5,6 +5,8 @@
 - `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
 - `measure`: a material from a photograph, with confidence intervals.
 - `stack`: the color of plane layers over grounds.
+- `skin`: human skin from its pigments.
+- `judge`, `oracle`: a picture of a lit shape beside the exact light, and tables of that light.
 - `convert`: a material in the numbers of other renderers.
 - `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
@@ -33,7 +35,7 @@ from ._cycles import cycles_material
 from ._measure import Measured, Measurement, measure
 from ._answer import Answer
 from ._presets import presets
-from ._questions import stack
+from ._questions import judge, oracle, skin, stack
 from ._render import Picture, Session, render
 from ._translucid import (
     Fit,
@@ -71,12 +73,15 @@ __all__ = [
     "cycles_material",
     "fit",
     "fit_scaling",
+    "judge",
     "measure",
     "models",
+    "oracle",
     "presets",
     "read_exr",
     "reference",
     "render",
+    "skin",
     "stack",
     "tonemap",
     "write_exr",

@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from . import reference as reference
+from ._answer import Answer as Answer
 from ._presets import Presets
+from ._questions import judge as judge, oracle as oracle, skin as skin, stack as stack
 
 __version__: Final[str]
 models: Final[list[str]]

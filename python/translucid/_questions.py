@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ._answer import Answer, answer
 
-__all__ = ["stack"]
+__all__ = ["stack", "skin", "oracle", "judge"]
 
 
 def stack(
@@ -113,3 +113,241 @@ def stack(
     formula; P. Kubelka and F. Munk 1931; J. L. Saunderson 1942.
     """
     return answer("stack", locals())
+
+
+def skin(
+    *,
+    tone: Literal["I", "II", "III", "IV", "V", "VI"] = "III",
+    melanin: float | None = None,
+    blood: float | None = None,
+    eumelanin: float | None = None,
+    oxygenation: float | None = None,
+    carotene: float | None = None,
+    bilirubin: float | None = None,
+    epidermis: float | None = None,
+    dermis: float | None = None,
+    g: float | None = None,
+    eta: float | None = None,
+    what: Literal["medium", "material", "color", "spectrum", "profile"] = "medium",
+    configuration: Literal["searchlight", "diffuse"] | None = None,
+    photons: int | None = None,
+    melanin_texture: str | os.PathLike[str] | None = None,
+    blood_texture: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | bool | Literal["tqdm"] | None = None,
+) -> Answer:
+    """Models human skin: pigments become a color, spectra, and a medium for renderers.
+
+    Skin is an epidermis with melanin on a dermis with blood; lengths are in mm. The medium has for each channel of
+    linear sRGB the surface albedo and the mean free path of one index-matched medium with isotropic scattering, in
+    diffuse light. The albedo is exactly the skin's. The mean free path makes the light that leaves within any radius
+    as equal as it gets. The material is the same as a material of a scene file. The color is XYZ, CIELAB, individual
+    typology angle in degrees and sRGB under D65 for the observer of 1931 (quantity), with and without what the
+    surface reflects (with_surface, without_surface). The spectrum is the light reflected and absorbed from 380 to 780
+    nm: wavelength_nm, specular_reflectance, diffuse_reflectance, absorbed_by_epidermis, absorbed_by_dermis,
+    absorbed_by_subcutis, error. The profile is the part of the light that leaves within a radius, by channel: r_mm,
+    enclosed_r, enclosed_g, enclosed_b. Textures of melanin or blood make a directory of surface_albedo.exr and
+    mfp.exr, linear and in mm, and material.toml, which has both. Media are computed for some tens of skins and
+    interpolated; a remark gives the errors.
+
+    Parameters
+    ----------
+    tone : {"I", "II", "III", "IV", "V", "VI"}, optional
+        Tone that sets melanin and blood, from light to dark. Default: III.
+    melanin : float, optional
+        Part of the epidermis that melanosomes fill, in [0, 1]. Default: the tone's.
+    blood : float, optional
+        Part of the dermis that blood fills, in [0, 1]. Default: the tone's.
+    eumelanin : float, optional
+        Part of the melanin that is eumelanin, in [0, 1]; the rest is pheomelanin. Default: 1.
+    oxygenation : float, optional
+        Part of the hemoglobin that carries oxygen, in [0, 1]. Default: 0.75.
+    carotene : float, optional
+        Carotene in the epidermis, in g/L, in [0, 1]. Default: 0.
+    bilirubin : float, optional
+        Bilirubin in the dermis, in g/L, in [0, 1]. Default: 0.
+    epidermis : float, optional
+        Thickness of the epidermis, in mm, in [0.001, 10]. Default: 0.06.
+    dermis : float, optional
+        Thickness of the dermis, in mm, in [0.01, 100], on fat; or inf. Default: endless.
+    g : float, optional
+        Mean cosine of scattering, in [0, 0.95]. Default: 0.8.
+    eta : float, optional
+        Index of refraction, in [1, 2]. Default: 1.4.
+    what : {"medium", "material", "color", "spectrum", "profile"}, optional
+        Figures: surface albedo and mean free path of each channel, a material for a scene file, XYZ with CIELAB and
+        sRGB, light by wavelength, or light within radii. Default: medium.
+    configuration : {"searchlight", "diffuse"}, optional
+        Light for the color and the spectrum: a pencil beam that enters perpendicularly, or light with a cosine
+        distribution. Default: diffuse light.
+    photons : int, optional
+        Photons for each of 31 wavelengths, at least 100, for the medium, the material and the profile. Default:
+        20000.
+    melanin_texture : str | os.PathLike[str], optional
+        Picture of melanin, whose red channel times the melanin is that at each pixel; textures of the medium are
+        made.
+    blood_texture : str | os.PathLike[str], optional
+        Picture of blood, whose red channel times the blood is that at each pixel.
+    threads : int, optional
+        Number of threads; by default one per processor. The answer does not depend on it.
+    progress : callable, bool or "tqdm", optional
+        Called now and then with the parts done and the parts in all, and an exception ends the call; True for a bar.
+
+    Returns
+    -------
+    Answer
+        Columns by their names, with `text`, `files` and `notes` beside them:
+
+        - ``channel``: r, g or b of linear sRGB
+        - ``surface_albedo``: part of diffuse light that returns, exactly the skin's
+        - ``mfp_mm`` [mm]: mean free path
+        - ``deviation``: greatest difference of the light within a radius, as a part of the albedo
+        - ``standard_error``: bound on that of the walk in deviation
+
+    Raises
+    ------
+    ValueError
+        If a key is missing or unknown, a value is outside its range, or shapes do not broadcast; the message names it.
+    TypeError
+        If a value is of a type that no key takes.
+
+    Notes
+    -----
+    Pigments after S. L. Jacques 1998, Skin optics; tones are the classes of A. Chardon et al. 1991, fitted to
+    reflectances of the International Skin Spectra Archive (Y. Lu et al. 2025, Scientific Data 12); layers as in
+    layers.
+    """
+    return answer("skin", locals())
+
+
+def oracle(
+    *,
+    only: Literal["profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"] | Iterable[Literal["profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"]] | None = None,
+    photons: int | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | bool | Literal["tqdm"] | None = None,
+) -> Answer:
+    """Writes tables of exact light, with errors, that other programs can be tested with.
+
+    Each table is NAME.csv and, with units, meanings, method and command, NAME.json, after schema.json: profile: R(r)
+    and the light within r, of half spaces by surface albedo, g, eta and configuration; edge: light beside the edge of
+    a half plane that is lit: what a screen-space pass should show; disk: light in and around a small disk that is
+    lit; line: light in and beside a thin line that is lit; totals: surface albedo by single-scattering albedo;
+    inversion: single-scattering albedo by surface albedo, and the diffuse mean free path; slabs: light that slabs
+    reflect, pass and absorb; spheres: light that leaves spheres. Lengths are mean free paths. Every number has its
+    error. The files have the same bytes each time. docs/guide/oracle.md shows how to test with them.
+
+    Parameters
+    ----------
+    only : {"profile", "edge", "disk", "line", "totals", "inversion", "slabs", "spheres"}, or a list of them, optional
+        Tables to write. Default: all.
+    photons : int, optional
+        Number of photons of each walk, at least 1000, and of each sphere a tenth. Default: 2000000.
+    threads : int, optional
+        Number of threads; by default one per processor. The answer does not depend on it.
+    progress : callable, bool or "tqdm", optional
+        Called now and then with the parts done and the parts in all, and an exception ends the call; True for a bar.
+
+    Returns
+    -------
+    Answer
+        Without columns: `files` are its files by their names.
+
+    Raises
+    ------
+    ValueError
+        If a key is missing or unknown, a value is outside its range, or shapes do not broadcast; the message names it.
+    TypeError
+        If a value is of a type that no key takes.
+    """
+    return answer("oracle", locals())
+
+
+def judge(
+    picture: str | os.PathLike[str],
+    setup: Literal["edge", "disk", "line"],
+    pixel: float,
+    surface_albedo: ArrayLike,
+    *,
+    size: float | None = None,
+    mfp: ArrayLike | None = None,
+    dmfp: ArrayLike | None = None,
+    configuration: Literal["searchlight", "diffuse"] = "diffuse",
+    g: float | None = None,
+    eta: float | None = None,
+    white: float | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | bool | Literal["tqdm"] | None = None,
+) -> Answer:
+    """Judges a screen-space pass by a picture of it: light, width, and what to change.
+
+    The picture is linear OpenEXR with channels R, G, B: a plane seen straight from above, orthographically, whose
+    irradiance is 1 in a shape and 0 elsewhere. Make it by the pass under test, with borders that repeat the last
+    pixel for an edge or a line: edge: one half is lit, whatever the direction of the straight line between both;
+    disk: a disk whose diameter is the size is lit; line: a band whose width is the size is lit, along rows or
+    columns. The plane is a half space. Its light is exact with g 0 and eta 1. Otherwise 400,000 photons walk for it,
+    and the light across an edge is known to 0.001 (one standard error). A channel is right if its RMS difference is
+    at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all its light within 2 %, which
+    takes white. If it is not, the light that known mistakes draw is compared with it. The one that explains the
+    picture gives the verdict: profile, gather, or picture (a wrong size). unknown means that none does. The diffuse
+    mean free path is the exact one of this surface albedo and configuration. export takes it for the searchlight's
+    unless stated, and convert goes by Burley's fit: a note prints all three in mean free paths.
+
+    Parameters
+    ----------
+    picture : str | os.PathLike[str]
+        Linear OpenEXR file of the lit plane.
+    setup : {"edge", "disk", "line"}
+        Shape that is lit: a half plane, a disk, or a band.
+    pixel : float
+        Width of a pixel on the plane, in the unit of the lengths, in [1e-18, 1e18].
+    surface_albedo : array_like
+        Surface albedo, in (0, 1): one, or red, green and blue.
+    size : float, optional
+        Diameter of the disk or width of the line, in the unit of the lengths, in [1e-18, 1e18].
+    mfp : array_like, optional
+        Mean free path in the volume, in any unit, in [1e-18, 1e18]: one, or three.
+    dmfp : array_like, optional
+        Diffuse mean free path on the surface, in [1e-18, 1e18], in place of the mean free path.
+    configuration : {"searchlight", "diffuse"}, optional
+        How light enters the medium: as a pencil beam, perpendicularly, or with a cosine distribution. Default:
+        diffuse.
+    g : float, optional
+        Mean cosine of the phase function, in [-0.95, 0.95]. Default: 0.
+    eta : float, optional
+        Relative index of refraction of the smooth boundary, in [1, 3]. Default: 1.
+    white : float, optional
+        Value of a lit pixel of a surface that returns all light and does not scatter below, in [1e-18, 1e18]; with it
+        all light is compared.
+    threads : int, optional
+        Number of threads; by default one per processor. The answer does not depend on it.
+    progress : callable, bool or "tqdm", optional
+        Called now and then with the parts done and the parts in all, and an exception ends the call; True for a bar.
+
+    Returns
+    -------
+    Answer
+        Columns by their names, with `text`, `files` and `notes` beside them:
+
+        - ``channel``: red, green or blue
+        - ``verdict``: right, profile, gather, picture or unknown
+        - ``light_error``: all light over what there is less 1; empty without white
+        - ``rms_error``: RMS difference, as a part of the light on a large lit shape
+        - ``largest_error``: greatest difference
+        - ``width_25`` [L]: distance at which light falls to 25 %
+        - ``exact_width_25`` [L]: the same of the exact light
+        - ``width_10`` [L]: distance at which light falls to 10 %
+        - ``exact_width_10`` [L]: the same of the exact light
+        - ``width_5`` [L]: distance at which light falls to 5 %
+        - ``exact_width_5`` [L]: the same of the exact light
+        - ``explained_rms``: RMS difference that the cause leaves
+        - ``sentence``: the verdict for people
+
+    Raises
+    ------
+    ValueError
+        If a key is missing or unknown, a value is outside its range, or shapes do not broadcast; the message names it.
+    TypeError
+        If a value is of a type that no key takes.
+    """
+    return answer("judge", locals())

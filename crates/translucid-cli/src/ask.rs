@@ -1,19 +1,21 @@
 //! Verbs that ask a question of the desk: their options, help and output follow from its description.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand, ValueEnum, value_parser};
-use translucid_desk::{Answer, Ask, CONVERT, Control, Prepared, QUESTIONS, Unanswered};
+use translucid_desk::{Answer, Ask, CONVERT, Control, Form, Prepared, QUESTIONS, Unanswered};
 use translucid_words::{Content, Described, Entry, Error, Kind, Provenance, Spelling, Value};
 
 use crate::failure::Failure;
-use crate::files::{input_among, write_file};
+use crate::files::{Directory, input_among, is_own, refusal, write_file};
 use crate::progress::{Meter, Unit};
-use crate::table::{ReadableFormat, TableFormat, print};
-use crate::{interrupt, machine, messages, textures};
+use crate::table::{ReadableFormat, TableFormat, print, refuse_npz};
+use crate::{command_line, interrupt, machine, messages, textures};
 
 /// A question with what the user says.
 pub(crate) struct Asked {
@@ -51,37 +53,45 @@ impl Subcommand for Asked {
 
 /// The verb of a question.
 fn verb(question: &'static dyn Ask) -> Command {
-    let formats = ReadableFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value);
-    let formats: Vec<PossibleValue> =
-        formats.filter(|format| question.has_text() || format.get_name() != "text").collect();
-    let output = "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout";
-    let verb = Command::new(question.name())
+    let output = Arg::new("output").short('o').long("output").value_parser(value_parser!(PathBuf));
+    let command = Command::new(question.name())
         .about(question.doc())
         .args(question.keys().iter().enumerate().map(|(i, key)| option(key, i == 0)))
-        .args([
-            Arg::new("output")
-                .short('o')
-                .long("output")
-                .value_name("FILE")
-                .help(output)
-                .value_parser(value_parser!(PathBuf)),
+        .after_help(after_help(question));
+    let command = match question.formats().first() {
+        None => command.arg(
+            output.value_name("DIR").default_value(question.name()).help("Directory to write to"),
+        ),
+        Some(default) => command.arg(output.value_name("FILE").help(
+            "File to write instead of stdout; a picture of the answer where its name ends so, beside the table on stdout; or \
+             a directory where the answer is several files",
+        ))
+        .arg(
             Arg::new("format")
                 .long("format")
                 .value_name("FORMAT")
-                .default_value("csv")
+                .default_value(default)
                 .help("How to print")
-                .value_parser(PossibleValuesParser::new(formats)),
-            Arg::new("threads")
-                .long("threads")
-                .value_name("N")
-                .help("Number of threads [default: one per processor]; the result does not depend on it")
-                .value_parser(value_parser!(u16).range(1..=1024)),
-        ])
-        .after_help(after_help(question));
+                .value_parser(PossibleValuesParser::new(formats(question))),
+        ),
+    };
+    let command = command.arg(
+        Arg::new("threads")
+            .long("threads")
+            .value_name("N")
+            .help("Number of threads [default: one per processor]; the result does not depend on it")
+            .value_parser(value_parser!(u16).range(1..=1024)),
+    );
     if question.name() == CONVERT.name() {
-        return textures::TextureArguments::augment_args(verb).about(question.doc());
+        return textures::TextureArguments::augment_args(command).about(question.doc());
     }
-    verb
+    command
+}
+
+/// The formats in which answers to a question are printed.
+fn formats(question: &dyn Ask) -> Vec<PossibleValue> {
+    let all = ReadableFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    all.filter(|format| question.formats().contains(&format.get_name())).collect()
 }
 
 /// Paragraphs, the columns and examples.
@@ -96,7 +106,11 @@ fn after_help(question: &dyn Ask) -> String {
         .collect();
     let examples: Vec<String> =
         question.examples().iter().map(|words| format!("  translucid {} {words}", question.name())).collect();
-    format!("{}\n\nColumns:\n{}\n\nExamples:\n{}", question.more(), columns.join("\n"), examples.join("\n"))
+    let columns = match &columns[..] {
+        [] => String::new(),
+        columns => format!("Columns:\n{}\n\n", columns.join("\n")),
+    };
+    format!("{}\n\n{columns}Examples:\n{}", question.more(), examples.join("\n"))
 }
 
 /// The option of a key, or the file that the question is about.
@@ -106,7 +120,11 @@ fn option(key: &Described, is_first: bool) -> Arg {
         default if default.is_empty() || key.kind == Kind::Flag || default == "none" => String::new(),
         default => format!(" [default: {default}]"),
     };
-    let help = format!("{}{more}{default}", sentence(&key.doc.replace('`', "")));
+    let words = match &key.kind {
+        Kind::Words(words) => format!(" [possible values: {}]", words.join(", ")),
+        _ => String::new(),
+    };
+    let help = format!("{}{more}{default}{words}", sentence(&key.doc.replace('`', "")));
     let name = key.name.to_uppercase();
     let argument = Arg::new(key.name).help(help).required(key.is_required).value_name(name);
     let argument = match &key.kind {
@@ -142,16 +160,72 @@ impl Asked {
         }
         let prepared = read(self.question, &self.entries())?;
         let output = self.matches.get_one::<PathBuf>("output").map(PathBuf::as_path);
-        let inputs = prepared.files().iter().map(PathBuf::as_path);
-        if let Some(path) = input_among(output.into_iter(), inputs) {
+        if let Form::Files(names) = prepared.form() {
+            return self.fill(&*prepared, &names, output);
+        }
+        if prepared.form() == Form::Text && self.format() == "json" {
+            return Err(Failure::input("this answer is a text, and has no --format json"));
+        }
+        refuse_npz(output)?;
+        if let Some(path) = among_inputs(output, &*prepared) {
             let message =
                 format!("--output is {}, a file that is read, and would be overwritten", path.display());
             return Err(Failure::input(message).with_help("choose another file"));
         }
         output.map_or(Ok(()), |path| Ok::<_, Failure>(translucid_files::check_writable(path)?))?;
+        self.write(&self.answer(&*prepared)?, output)
+    }
+
+    /// Writes an answer that is files of these names to a directory.
+    fn fill(&self, prepared: &dyn Prepared, names: &[String], output: Option<&Path>) -> Result<(), Failure> {
+        let Some(path) = output else {
+            let message = format!("the files {} need a directory", names.join(", "));
+            return Err(Failure::input(message).with_help("name it with -o DIR"));
+        };
+        let has_format = !self.question.formats().is_empty();
+        if has_format && self.matches.value_source("format") == Some(ValueSource::CommandLine) {
+            return Err(Failure::input("this answer is files, and has no --format"));
+        }
+        let answer = Directory::fill(path, |directory| {
+            let files: Vec<PathBuf> = names.iter().map(|name| directory.file(name)).collect();
+            if let Some(path) = among_inputs(files.iter().map(PathBuf::as_path), prepared) {
+                let message = format!("{} is read, and would be overwritten", path.display());
+                return Err(Failure::input(message).with_help("name another directory with -o DIR"));
+            }
+            let are_own = files.iter().any(|path| is_own(path));
+            for path in &files {
+                translucid_files::check_writable(path)?;
+                if path.exists() && !are_own {
+                    let name = self.question.name();
+                    return Err(refusal(
+                        path,
+                        format!("exists already, and was not made by translucid {name}"),
+                    ));
+                }
+            }
+            let answer = self.answer(prepared)?;
+            if interrupt::STOP.load(Ordering::Relaxed) {
+                return Err(unanswered(Unanswered::Stopped));
+            }
+            // Files of two versions beside each other would be worse than the moment that the rest takes
+            interrupt::catch("\nall files are being written; press Ctrl-C again to end at once")?;
+            answer.files.iter().try_for_each(|file| write_file(&directory.file(&file.name), &file.bytes))?;
+            Ok(answer)
+        })?;
+        remark(&answer);
+        let files = format!("{} files in {}", answer.files.len(), path.display());
+        messages::line(&[&[files], &answer.remarks[..]].concat().join("; "));
+        Ok(())
+    }
+
+    /// The answer, by as many threads as the user says.
+    fn answer(&self, prepared: &dyn Prepared) -> Result<Answer, Failure> {
         let pool = machine::threads(self.matches.get_one("threads").copied())?;
-        let answer = pool.install(|| answer(&*prepared))?;
-        self.write(&answer, output)
+        pool.install(|| answer(prepared))
+    }
+
+    fn format(&self) -> &str {
+        self.matches.get_one::<String>("format").map_or("csv", String::as_str)
     }
 
     /// What the user says, as values.
@@ -173,10 +247,10 @@ impl Asked {
         self.question.keys().iter().filter_map(entry).collect()
     }
 
-    fn write(&self, answer: &Answer, output: Option<&std::path::Path>) -> Result<(), Failure> {
-        let format = self.matches.get_one::<String>("format").map_or("csv", String::as_str);
+    fn write(&self, answer: &Answer, output: Option<&Path>) -> Result<(), Failure> {
+        let format = self.format();
         let text = match (format, &answer.text, answer.tables.first()) {
-            ("text", Some(text), _) => text.clone(),
+            ("text", Some(text), _) | (_, Some(text), None) => text.clone(),
             ("text", None, _) => {
                 return Err(Failure::input("this answer is a table, which --format text does not print")
                     .with_help("use --format csv or json"));
@@ -187,8 +261,7 @@ impl Asked {
             }
             (_, text, None) => text.clone().unwrap_or_default(),
         };
-        answer.notes.iter().for_each(|note| messages::print_note(note));
-        answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
+        remark(answer);
         if format != "text" {
             answer.remarks.iter().for_each(|remark| messages::print_note(remark));
         }
@@ -203,6 +276,17 @@ impl Asked {
             None => write_file(path, text.as_bytes()),
         }
     }
+}
+
+/// Prints notes and warnings.
+fn remark(answer: &Answer) {
+    answer.notes.iter().for_each(|note| messages::print_note(note));
+    answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
+}
+
+/// The first of some files to write that the question reads.
+fn among_inputs<'a>(files: impl IntoIterator<Item = &'a Path>, prepared: &dyn Prepared) -> Option<&'a Path> {
+    input_among(files.into_iter(), prepared.files().iter().map(PathBuf::as_path))
 }
 
 /// Asks a question in the words of options, on the threads of this pool.
@@ -220,7 +304,8 @@ fn answer(prepared: &dyn Prepared) -> Result<Answer, Failure> {
     interrupt::catch("\nstopping")?;
     let meter = Meter::new(Unit::Parts);
     let progress = |part: f64| meter.update((1e3 * part) as u64, 1000);
-    let answer = prepared.answer(&Control { stop: &interrupt::STOP, progress: &progress });
+    let call = command_line::shown();
+    let answer = prepared.answer(&Control { call: &call, stop: &interrupt::STOP, progress: &progress });
     meter.finish();
     answer.map_err(unanswered)
 }

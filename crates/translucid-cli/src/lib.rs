@@ -14,14 +14,12 @@ mod failure;
 mod files;
 mod fit;
 mod interrupt;
-mod judge;
 mod machine;
 mod measure;
 mod merge;
 mod messages;
 mod model;
 mod models;
-mod oracle;
 mod output_lock;
 mod plan;
 mod profile;
@@ -30,7 +28,6 @@ mod radii;
 mod reference;
 mod render;
 mod sample;
-mod skin;
 mod table;
 mod textures;
 mod view;
@@ -77,9 +74,6 @@ enum Verb {
     Compare(compare::CompareArguments),
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
-    Oracle(oracle::OracleArguments),
-    Judge(judge::JudgeArguments),
-    Skin(skin::SkinArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering
     Models,
@@ -259,9 +253,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
         Verb::Measure(arguments) => measure::run(&arguments),
-        Verb::Oracle(arguments) => oracle::run(&arguments),
-        Verb::Judge(arguments) => judge::run(&arguments),
-        Verb::Skin(arguments) => skin::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Devices => devices::run(),

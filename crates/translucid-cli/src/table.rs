@@ -44,39 +44,15 @@ pub(crate) enum ReadableFormat {
     Text,
 }
 
-impl ReadableFormat {
-    /// The text of a table; `words` makes the one for people.
-    pub(crate) fn text(
-        self,
-        columns: &[impl AsRef<str>],
-        rows: &[Vec<Cell>],
-        words: impl FnOnce() -> String,
-    ) -> String {
-        match self {
-            Self::Csv => TableFormat::Csv.text(columns, rows),
-            Self::Json => TableFormat::Json.text(columns, rows),
-            Self::Text => words(),
-        }
-    }
-}
-
 impl TableArguments {
     /// The file, where its name ends in `.npz`: it is not for text.
     pub(crate) fn npz(&self) -> Option<&Path> {
-        let is_npz = |path: &&Path| path.extension().is_some_and(|found| found.eq_ignore_ascii_case("npz"));
-        self.output.as_deref().filter(is_npz)
+        self.output.as_deref().filter(|path| is_npz(path))
     }
 
     /// Whether the table is JSON.
     pub(crate) fn is_json(&self) -> bool {
         self.format == TableFormat::Json
-    }
-
-    /// Refuses a file whose name ends in `.npz`, where there are no photons to keep in it.
-    pub(crate) fn refuse_npz(&self) -> Result<(), Failure> {
-        let Some(path) = self.npz() else { return Ok(()) };
-        let message = format!("--output is {}, but this is a table of numbers", path.display());
-        Err(Failure::input(message).with_help("name a .csv file, or a .json file with --format json"))
     }
 
     /// The file, if the table is not for stdout.
@@ -133,6 +109,17 @@ impl TableArguments {
             other => other.map_err(Failure::late),
         }
     }
+}
+
+fn is_npz(path: &Path) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case("npz"))
+}
+
+/// Refuses a file whose name ends in `.npz`, where there are no photons to keep in it.
+pub(crate) fn refuse_npz(output: Option<&Path>) -> Result<(), Failure> {
+    let Some(path) = output.filter(|path| is_npz(path)) else { return Ok(()) };
+    let message = format!("--output is {}, but this is a table of numbers", path.display());
+    Err(Failure::input(message).with_help("name a .csv file, or a .json file with --format json"))
 }
 
 /// Prints a text to stdout.

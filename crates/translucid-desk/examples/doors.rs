@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use translucid_desk::{Ask, QUESTIONS};
+use translucid_desk::{Ask, IN_WASM, QUESTIONS};
 use translucid_words::{Described, Kind, Spelling};
 
 /// Questions that Python has under another name and signature, written by hand.
@@ -22,8 +22,11 @@ const OWN_IN_PYTHON: [&str; 2] = ["layers", "convert"];
 const OWN_IN_JAVASCRIPT: [&str; 1] = ["convert"];
 
 /// Pages of the guide with tables of options.
-const PAGES: [(&str, &[&str]); 2] =
-    [("docs/guide/stack.md", &["stack"]), ("docs/guide/layers.md", &["layers"])];
+const PAGES: [(&str, &[&str]); 3] = [
+    ("docs/guide/stack.md", &["stack"]),
+    ("docs/guide/layers.md", &["layers"]),
+    ("docs/guide/skin.md", &["skin"]),
+];
 
 fn main() -> ExitCode {
     let written = files().and_then(|files| {
@@ -206,6 +209,7 @@ fn python_kind(kind: &Kind) -> String {
         Kind::Word(words) => {
             format!("{{{}}}", words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(", "))
         }
+        Kind::Words(words) => python_kind(&Kind::Word(words.clone())) + ", or a list of them",
         Kind::Numbers(..) | Kind::Varied(_) => "array_like".into(),
         Kind::Text(form) => format!("str: {form}"),
         Kind::Texts(form) => format!("list of str: {form}"),
@@ -244,8 +248,11 @@ fn python_function(question: &dyn Ask) -> String {
     }
     text += "    threads : int, optional\n        Number of threads; by default one per processor. The answer does not depend on it.\n    \
              progress : callable, bool or \"tqdm\", optional\n        Called now and then with the parts done and the parts in all, \
-             and an exception ends the call; True for a bar.\n\n    Returns\n    -------\n    Answer\n        Columns by their \
-             names, with `text`, `files` and `notes` beside them:\n\n";
+             and an exception ends the call; True for a bar.\n\n    Returns\n    -------\n    Answer\n";
+    text += match question.formats() {
+        [] => "        Without columns: `files` are its files by their names.\n",
+        _ => "        Columns by their names, with `text`, `files` and `notes` beside them:\n\n",
+    };
     for column in question.columns() {
         let unit = match column.unit {
             "" | "1" => String::new(),
@@ -279,7 +286,7 @@ fn python_keys(kind: &Kind, indent: &str) -> String {
 }
 
 fn of_javascript() -> impl Iterator<Item = &'static dyn Ask> {
-    QUESTIONS.into_iter().filter(|question| !OWN_IN_JAVASCRIPT.contains(&question.name()))
+    IN_WASM.into_iter().filter(|question| !OWN_IN_JAVASCRIPT.contains(&question.name()))
 }
 
 fn javascript() -> String {

@@ -35,9 +35,22 @@ pub struct NamedFile {
     pub bytes: Vec<u8>,
 }
 
-/// How somebody watches long work, and ends it.
+/// The form of an answer, which is known before the work.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// Tables, perhaps with a text and pictures beside them.
+    Table,
+    /// A text alone.
+    Text,
+    /// Files of these names alone, for one directory.
+    Files(Vec<String>),
+}
+
+/// How somebody asks, watches long work, and ends it.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
+    /// The command or the call, which files name as their origin.
+    pub call: &'a str,
     /// Ends the work soon after it is true.
     pub stop: &'a AtomicBool,
     /// Is told now and then how much of the work is done, from 0 to 1.
@@ -77,8 +90,10 @@ pub struct Question<T: 'static> {
     pub examples: &'static [&'static str],
     /// Columns of the first table of its answer.
     pub columns: &'static [Column],
-    /// Whether the answer has a text for people.
-    pub has_text: bool,
+    /// Formats in which it is printed, the default first: csv, json, and text for people. One that is always files has none.
+    pub formats: &'static [&'static str],
+    /// The form of the answer.
+    pub form: fn(&T) -> Form,
     /// The answer; errors have keys in backquotes, which doors see as they spell them.
     pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
 }
@@ -101,8 +116,8 @@ pub trait Ask: Sync {
     fn is_by_element(&self) -> bool;
     /// Examples as words of the command.
     fn examples(&self) -> &'static [&'static str];
-    /// Whether the answer has a text for people.
-    fn has_text(&self) -> bool;
+    /// Formats in which the answer is printed, the default first; none of one that is always files.
+    fn formats(&self) -> &'static [&'static str];
     /// Columns of the first table of its answer.
     fn columns(&self) -> &'static [Column];
     /// Reads what a user says.
@@ -116,6 +131,8 @@ pub trait Ask: Sync {
 pub trait Prepared: Send + Sync {
     /// Files that were read.
     fn files(&self) -> &[PathBuf];
+    /// The form of its answer.
+    fn form(&self) -> Form;
     /// Answers it.
     ///
     /// # Errors
@@ -156,8 +173,8 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         self.examples
     }
 
-    fn has_text(&self) -> bool {
-        self.has_text
+    fn formats(&self) -> &'static [&'static str] {
+        self.formats
     }
 
     fn columns(&self) -> &'static [Column] {
@@ -168,6 +185,7 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         struct Read<T: 'static> {
             asked: T,
             context: Context,
+            form: fn(&T) -> Form,
             answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
             /// Keys in backquotes, and how the door spells them.
             names: Vec<[String; 2]>,
@@ -175,6 +193,10 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         impl<T: Send + Sync> Prepared for Read<T> {
             fn files(&self) -> &[PathBuf] {
                 &self.context.files
+            }
+
+            fn form(&self) -> Form {
+                (self.form)(&self.asked)
             }
 
             fn answer(&self, control: &Control<'_>) -> Result<Answer, Unanswered> {
@@ -195,7 +217,8 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         let table = Table::root(source, entries).allow(&self.thing.keys())?;
         let asked = self.thing.read(&table, &mut context)?;
         let names = self.thing.keys().into_iter().map(|key| [format!("`{key}`"), table.name_of(key)]);
-        Ok(Box::new(Read { asked, context, answer: self.answer, names: names.collect() }))
+        let names = names.collect();
+        Ok(Box::new(Read { asked, context, form: self.form, answer: self.answer, names }))
     }
 }
 

@@ -10,7 +10,7 @@ use translucid_words::{
     optional_word, text, texts, word,
 };
 
-use crate::answer::{Answer, Control, Question, Unanswered};
+use crate::answer::{Answer, Control, Form, Question, Unanswered};
 use crate::conversion_table::{COLUMNS, cells, list, paragraphs};
 
 use Fallback::{Plain, Words};
@@ -116,7 +116,8 @@ pub static CONVERT: Question<AskedConversion> = Question {
         "--albedo-texture albedo.png --mfp-texture mfp.exr --color-space acescg -o textures",
     ],
     columns: &COLUMNS,
-    has_text: true,
+    formats: &["csv", "json", "text"],
+    form: |_| Form::Table,
     answer,
 };
 

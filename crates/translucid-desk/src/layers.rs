@@ -17,7 +17,7 @@ use translucid_words::{
     optional, optional_word, parsed, table, things, varied, word,
 };
 
-use crate::answer::{Answer, Control, Question, Unanswered, context};
+use crate::answer::{Answer, Control, Form, Question, Unanswered, context};
 use crate::phase_function::GivenPhaseFunction;
 
 use Fallback::{Plain, Required, Words};
@@ -380,7 +380,8 @@ pub static LAYERS: Question<AskedLayers> = Question {
     right: right_layers,
     examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
     columns: &TOTALS,
-    has_text: false,
+    formats: &["csv", "json"],
+    form: |_| Form::Table,
     answer,
 };
 

@@ -11,20 +11,39 @@ mod answer;
 mod conversion_table;
 mod convert;
 mod files;
+#[cfg(not(target_family = "wasm"))]
+mod judge;
 mod layers;
+#[cfg(not(target_family = "wasm"))]
+mod oracle;
 mod phase_function;
+#[cfg(not(target_family = "wasm"))]
+mod skin;
 mod spectra;
 mod stack;
 #[doc(hidden)]
 pub mod wrong;
 
-pub use answer::{Answer, Ask, Control, NamedFile, Prepared, Question, Unanswered};
+pub use answer::{Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
 pub use convert::CONVERT;
+#[cfg(not(target_family = "wasm"))]
+pub use judge::JUDGE;
 #[cfg(not(target_family = "wasm"))]
 pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
+#[cfg(not(target_family = "wasm"))]
+pub use oracle::ORACLE;
 pub use phase_function::{is_phase_file, read_phase_file};
+#[cfg(not(target_family = "wasm"))]
+pub use skin::SKIN;
 pub use stack::STACK;
 
 /// Every question.
-pub const QUESTIONS: [&dyn Ask; 3] = [&LAYERS, &STACK, &CONVERT];
+#[cfg(not(target_family = "wasm"))]
+pub const QUESTIONS: [&dyn Ask; 6] = [&LAYERS, &STACK, &CONVERT, &SKIN, &ORACLE, &JUDGE];
+/// Every question.
+#[cfg(target_family = "wasm")]
+pub const QUESTIONS: [&dyn Ask; 3] = IN_WASM;
+
+/// Questions that WebAssembly has, where the reference has no walks.
+pub const IN_WASM: [&dyn Ask; 3] = [&LAYERS, &STACK, &CONVERT];

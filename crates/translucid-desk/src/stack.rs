@@ -12,7 +12,7 @@ use translucid_words::{
     Cell, Column, Context, DataTable, Error, Fallback, Thing, Varied, document, field, flag, word,
 };
 
-use crate::answer::{Answer, Control, NamedFile, Question, Unanswered};
+use crate::answer::{Answer, Control, Form, NamedFile, Question, Unanswered};
 use crate::layers::{Builder, LAYERS_FILE, LayersKeys, right_layers};
 
 use Fallback::{Plain, Required};
@@ -65,7 +65,8 @@ pub static STACK: Question<AskedStack> = Question {
         "tooth.toml -o tooth.svg",
     ],
     columns: &COLORS,
-    has_text: true,
+    formats: &["csv", "json", "text"],
+    form: |_| Form::Table,
     answer,
 };
 

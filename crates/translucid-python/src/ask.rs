@@ -209,11 +209,12 @@ pub(crate) fn answer(
     };
     let prepared = question.read(&Provenance::part(""), said.entries()).map_err(wrong)?;
     let (pool, done) = (pool(threads)?, Arc::new(AtomicU64::new(0)));
+    let call = format!("translucid.{}", question.name());
     let counter = Arc::clone(&done);
     with_progress(py, progress, question.name(), "part", |progress| {
         let work = move |stop: &std::sync::atomic::AtomicBool| {
             let count = |part: f64| _ = counter.fetch_max((part * STEPS as f64) as u64, Ordering::Relaxed);
-            pool.install(|| prepared.answer(&Control { stop, progress: &count }))
+            pool.install(|| prepared.answer(&Control { call: &call, stop, progress: &count }))
         };
         let answer = long_work::run_or_abandon(py, work, |_| {
             report(progress, done.load(Ordering::Relaxed).min(STEPS - 1), STEPS)
@@ -268,14 +269,13 @@ pub(crate) fn _ask<'py>(
     arguments.sort_by_key(|(name, _)| keys.iter().position(|key| key.name == *name));
     let said = Said::new(&keys, &arguments)?;
     let answer = answer(py, question, &said, threads, progress, &[])?;
-    let found = PyDict::new(py);
+    let (found, columns) = (PyDict::new(py), PyDict::new(py));
     if let Some(table) = answer.tables.first() {
-        let columns = PyDict::new(py);
         for (i, named) in table.columns.iter().enumerate() {
             columns.set_item(&*named.name, column(py, &said, table, i, question.is_by_element())?)?;
         }
-        found.set_item("columns", columns)?;
     }
+    found.set_item("columns", columns)?;
     let files = PyDict::new(py);
     for file in &answer.files {
         files.set_item(&file.name, PyBytes::new(py, &file.bytes))?;

@@ -20,7 +20,7 @@ pub(crate) fn ask(mut options: Options) -> Result<Json, String> {
     };
     let source = Provenance::part("").of("the question").spelled(Spelling::Camel);
     let prepared = question.read(&source, &entries).map_err(|error| told(&error))?;
-    let control = Control { stop: &AtomicBool::new(false), progress: &|_| {} };
+    let control = Control { call: "", stop: &AtomicBool::new(false), progress: &|_| {} };
     let answer = prepared.answer(&control).map_err(|reason| match reason {
         Unanswered::Input(error) | Unanswered::Work(error) => told(&error),
         Unanswered::Stopped => String::from("the work was stopped"),

@@ -11,6 +11,7 @@ use super::{Method, ReferenceArguments};
 use crate::ask::ask;
 use crate::failure::Failure;
 use crate::messages;
+use crate::table::refuse_npz;
 
 const PROFILE_COLUMNS: [&str; 5] =
     ["r", "reflectance", "reflectance_error", "transmittance", "transmittance_error"];
@@ -18,7 +19,7 @@ const PROFILE_COLUMNS: [&str; 5] =
 /// Prints profiles at radii, or totals.
 pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Failure> {
     arguments.table.spare(std::iter::once(file))?;
-    arguments.table.refuse_npz()?;
+    refuse_npz(arguments.table.file())?;
     if arguments.method == Some(Method::MonteCarlo) {
         if arguments.tolerance.is_some() {
             let message = "--tolerance belongs to the exact solution, not to a walk";

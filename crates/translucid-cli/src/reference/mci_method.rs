@@ -15,6 +15,7 @@ use super::{Method, ReferenceArguments};
 use crate::failure::Failure;
 use crate::files::{input_among, write_file};
 use crate::output_lock::OutputLock;
+use crate::table::refuse_npz;
 use crate::{interrupt, messages};
 
 const COLUMNS: [&str; 8] = ["run", "quantity", "layer", "r", "z", "angle", "value", "standard_error"];
@@ -26,7 +27,7 @@ pub(super) fn run(arguments: &ReferenceArguments, path: &Path) -> Result<(), Fai
             .with_help("leave --method out, or use --method monte-carlo"));
     }
     refuse_what_the_file_says(arguments)?;
-    arguments.table.refuse_npz()?;
+    refuse_npz(arguments.table.file())?;
     if !fs::metadata(path).map_or(true, |data| data.is_file()) {
         return Err(at(path, None, String::from("is not a file")));
     }

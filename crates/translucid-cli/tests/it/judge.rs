@@ -247,27 +247,14 @@ fn what_cannot_be_judged_is_refused() {
     let good = "--pixel 0.1 --surface-albedo 0.8 --mfp 1";
     let edge = "edge.exr --setup edge";
     for (words, parts) in [
-        (format!("edge.exr --setup square {good}"), ["square", "edge, disk, line"]),
-        (format!("{edge} --pixel -1 --surface-albedo 0.8 --mfp 1"), ["--pixel is -1", "in [1e-18, 1e18]"]),
-        (format!("{edge} --pixel 0.1 --surface-albedo 1.2 --mfp 1"), ["--surface-albedo is 1.2", "(0, 1)"]),
         (
-            format!("{edge} --pixel 0.1 --surface-albedo 0.8,nan,0.1 --mfp 1"),
-            ["--surface-albedo is NaN", "(0, 1)"],
+            format!("{edge} --pixel 0.1 --surface-albedo 0.8 --dmfp 1,2"),
+            ["--dmfp is [1, 2]", "one number or three"],
         ),
-        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --mfp -2"), ["--mfp is -2", "in [1e-18, 1e18]"]),
-        (format!("{edge} --pixel 0.1 --surface-albedo 0.8 --dmfp 1,0"), ["--dmfp has 2 values", "1 or 3"]),
-        (format!("{edge} --pixel 0.1 --surface-albedo 0.8"), ["--mfp", "required"]),
-        (format!("{edge} {good} --white 0"), ["--white is 0", "in [1e-18, 1e18]"]),
-        (
-            format!("{edge} --pixel 1e-20 --surface-albedo 0.8 --mfp 1"),
-            ["--pixel is 1e-20", "in [1e-18, 1e18]"],
-        ),
+        (format!("{edge} --pixel 0.1 --surface-albedo 0.8"), ["--mfp", "--dmfp"]),
         (format!("{edge} --pixel 1e-15 --surface-albedo 0.8 --mfp 1"), ["the picture ends 9.9", "at 0.7"]),
-        (format!("{edge} {good} --g 1"), ["--g is 1", "in [-0.95, 0.95]"]),
-        (format!("{edge} {good} --eta 0.9"), ["--eta is 0.9", "in [1.0, 3.0]"]),
-        (format!("{edge} {good} --size 2"), ["--size is for a disk or a line", "leave --size out"]),
-        (format!("edge.exr --setup disk {good}"), ["--size is missing", "diameter"]),
-        (format!("edge.exr --setup line --size -1 {good}"), ["--size is -1", "in [1e-18, 1e18]"]),
+        (format!("{edge} {good} --size 2"), ["--size is 2", "for a disk or a line"]),
+        (format!("edge.exr --setup disk {good}"), ["size is missing", "diameter"]),
         (format!("edge.exr --setup line --size 1 {good}"), ["edge.exr", "no single line of light"]),
         (format!("edge.exr --setup disk --size 1 {good}"), ["edge.exr", "disk of light"]),
         (format!("even.exr --setup edge {good}"), ["even.exr", "no edge of light"]),

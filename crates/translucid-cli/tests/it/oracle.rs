@@ -144,16 +144,9 @@ fn tables_are_made_again_with_the_same_bytes_and_spare_files_of_others() {
     }
     fs::create_dir(folder.path().join("mine")).unwrap();
     fs::write(folder.path().join("mine/edge.csv"), "mine").unwrap();
-    for (words, part) in [
-        ("oracle -o mine --only edge", "was not made by translucid oracle"),
-        ("oracle -o new --only edges", "edges"),
-        ("oracle -o new --photons 10", "--photons is 10, but must be at least 1000"),
-        ("oracle -o new --photons 0", "errors of fewer photons would themselves be unknown"),
-    ] {
-        let output = run(folder.path(), words);
-        assert_eq!(output.status.code(), Some(2), "{words}");
-        assert!(stderr(&output).contains(part), "{words}: {}", stderr(&output));
-    }
+    let output = run(folder.path(), "oracle -o mine --only edge");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("was not made by translucid oracle"), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(folder.path().join("mine/edge.csv")).unwrap(), "mine");
     assert_eq!(files(folder.path()), ["again", "mine"]);
 }

@@ -5,23 +5,22 @@ use std::path::Path;
 use translucid_laboratory::judge::{Bins, Setup};
 use translucid_load::load_exr;
 use translucid_measure::{EdgeLine, NoEdge, NoSpot, Photo, SpotPlace};
-use translucid_scene::{Place, SceneError};
+use translucid_words::{Error, Place};
 
 use super::symmetry::{self, Row};
-use crate::failure::Failure;
 
 /// Reads the picture; bins of red, green and blue.
-pub(super) fn read(path: &Path, setup: Setup, pixel: f64) -> Result<[Bins; 3], Failure> {
+pub(super) fn read(path: &Path, setup: Setup, pixel: f64) -> Result<[Bins; 3], Error> {
     let photo = load(path)?;
-    let refuse = |message: String| Failure::from(SceneError::at(Place::file(path), message));
+    let refuse = |message: String| Error::at(Place::file(path), message);
     let place = Location::find(&photo, setup).map_err(refuse)?;
     Ok([0, 1, 2].map(|channel| bins(&photo, channel, &place, pixel)))
 }
 
 /// The three channels, all of whose values must be numbers.
-fn load(path: &Path) -> Result<Photo, Failure> {
+fn load(path: &Path) -> Result<Photo, Error> {
     let file = load_exr(path)?;
-    let refuse = |message: String| Failure::from(SceneError::at(Place::file(path), message));
+    let refuse = |message: String| Error::at(Place::file(path), message);
     let mut planes = Vec::new();
     for name in ["R", "G", "B"] {
         let Some((_, values)) = file.channels.iter().find(|(found, _)| found == name) else {
