@@ -58,7 +58,7 @@ fn verb(question: &'static dyn Ask) -> Command {
         .about(question.doc())
         .args(question.keys().iter().enumerate().map(|(i, key)| option(key, i == 0)))
         .after_help(after_help(question));
-    let command = match question.formats().first() {
+    let command = match question.about().formats.first() {
         None => command.arg(
             output.value_name("DIR").default_value(question.name()).help("Directory to write to"),
         ),
@@ -91,26 +91,31 @@ fn verb(question: &'static dyn Ask) -> Command {
 /// The formats in which answers to a question are printed.
 fn formats(question: &dyn Ask) -> Vec<PossibleValue> {
     let all = ReadableFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value);
-    all.filter(|format| question.formats().contains(&format.get_name())).collect()
+    all.filter(|format| question.about().formats.contains(&format.get_name())).collect()
 }
 
 /// Paragraphs, the columns and examples.
 fn after_help(question: &dyn Ask) -> String {
     let columns: Vec<String> = question
-        .columns()
+        .about()
+        .columns
         .iter()
         .map(|column| match column.unit {
             "" | "1" => format!("  {}: {}", column.name, column.meaning),
             unit => format!("  {} [{unit}]: {}", column.name, column.meaning),
         })
         .collect();
-    let examples: Vec<String> =
-        question.examples().iter().map(|words| format!("  translucid {} {words}", question.name())).collect();
+    let examples: Vec<String> = question
+        .about()
+        .examples
+        .iter()
+        .map(|words| format!("  translucid {} {words}", question.name()))
+        .collect();
     let columns = match &columns[..] {
         [] => String::new(),
         columns => format!("Columns:\n{}\n\n", columns.join("\n")),
     };
-    format!("{}\n\n{columns}Examples:\n{}", question.more(), examples.join("\n"))
+    format!("{}\n\n{columns}Examples:\n{}", question.about().more, examples.join("\n"))
 }
 
 /// The option of a key, or the file that the question is about.
@@ -182,7 +187,7 @@ impl Asked {
             let message = format!("the files {} need a directory", names.join(", "));
             return Err(Failure::input(message).with_help("name it with -o DIR"));
         };
-        let has_format = !self.question.formats().is_empty();
+        let has_format = !self.question.about().formats.is_empty();
         if has_format && self.matches.value_source("format") == Some(ValueSource::CommandLine) {
             return Err(Failure::input("this answer is files, and has no --format"));
         }

@@ -238,7 +238,7 @@ fn python_function(question: &dyn Ask) -> String {
     signature.push("progress: Callable[[int, int], object] | bool | Literal[\"tqdm\"] | None = None".into());
     let _ = writeln!(text, "\n\ndef {}(\n    {},\n) -> Answer:", question.name(), signature.join(",\n    "));
     let _ = writeln!(text, "    \"\"\"{}.\n", question.doc());
-    text += &wrapped(&question.more().replace("\n\n", " "), "    ");
+    text += &wrapped(&question.about().more.replace("\n\n", " "), "    ");
     text += "\n    Parameters\n    ----------\n";
     for key in required.iter().chain(&optional) {
         let optional = if key.is_required || key.kind == Kind::Flag { "" } else { ", optional" };
@@ -249,11 +249,11 @@ fn python_function(question: &dyn Ask) -> String {
     text += "    threads : int, optional\n        Number of threads; by default one per processor. The answer does not depend on it.\n    \
              progress : callable, bool or \"tqdm\", optional\n        Called now and then with the parts done and the parts in all, \
              and an exception ends the call; True for a bar.\n\n    Returns\n    -------\n    Answer\n";
-    text += match question.formats() {
+    text += match question.about().formats {
         [] => "        Without columns: `files` are its files by their names.\n",
         _ => "        Columns by their names, with `text`, `files` and `notes` beside them:\n\n",
     };
-    for column in question.columns() {
+    for column in question.about().columns {
         let unit = match column.unit {
             "" | "1" => String::new(),
             unit => format!(" [{unit}]"),
@@ -262,9 +262,9 @@ fn python_function(question: &dyn Ask) -> String {
     }
     text += "\n    Raises\n    ------\n    ValueError\n        If a key is missing or unknown, a value is outside its range, or shapes do \
              not broadcast; the message names it.\n    TypeError\n        If a value is of a type that no key takes.\n";
-    if !question.source().is_empty() {
+    if !question.about().source.is_empty() {
         text += "\n    Notes\n    -----\n";
-        text += &wrapped(question.source(), "    ");
+        text += &wrapped(question.about().source, "    ");
     }
     text += "    \"\"\"\n";
     let _ = writeln!(text, "    return answer({:?}, locals())", question.name());
@@ -329,9 +329,10 @@ fn type_of(question: &dyn Ask) -> String {
         text,
         "/**\n * {}.\n *\n{} *\n{} */\nexport function {name}({head}options?: {title}Options): Answer;\n",
         question.doc(),
-        wrapped(&question.more().replace("\n\n", " "), " * "),
+        wrapped(&question.about().more.replace("\n\n", " "), " * "),
         question
-            .columns()
+            .about()
+            .columns
             .iter()
             .map(|column| wrapped(&format!("- `{}`: {}", column.name, column.meaning), " * "))
             .collect::<String>(),

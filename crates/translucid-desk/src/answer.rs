@@ -9,7 +9,7 @@ use translucid_words::{
 
 use crate::spectra::vary;
 
-/// What somebody asked for.
+/// The answer to a question.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// Tables, the first of which is the answer in numbers.
@@ -78,6 +78,16 @@ impl From<Error> for Unanswered {
 pub struct Question<T: 'static> {
     /// All that a user may say.
     pub thing: Thing<T, Questions>,
+    /// What doors show of it beside that.
+    pub about: About,
+    /// The form of the answer.
+    pub form: fn(&T) -> Form,
+    /// The answer; errors have keys in backquotes, which doors see as they spell them.
+    pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
+}
+
+/// What doors show of a question beside what a user may say.
+pub struct About {
     /// More about it in paragraphs, for help and guides.
     pub more: &'static str,
     /// Sources of its methods: author, year, title.
@@ -92,10 +102,6 @@ pub struct Question<T: 'static> {
     pub columns: &'static [Column],
     /// Formats in which it is printed, the default first: csv, json, and text for people. One that is always files has none.
     pub formats: &'static [&'static str],
-    /// The form of the answer.
-    pub form: fn(&T) -> Form,
-    /// The answer; errors have keys in backquotes, which doors see as they spell them.
-    pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
 }
 
 /// A question, whatever its values.
@@ -106,20 +112,8 @@ pub trait Ask: Sync {
     fn doc(&self) -> &'static str;
     /// All that a user may say.
     fn keys(&self) -> Vec<Described>;
-    /// More about it in paragraphs.
-    fn more(&self) -> &'static str;
-    /// A question that is right, in few words.
-    fn right(&self) -> Vec<Entry>;
-    /// Sources of its methods.
-    fn source(&self) -> &'static str;
-    /// Whether the answer has a row for each channel or element of values that vary.
-    fn is_by_element(&self) -> bool;
-    /// Examples as words of the command.
-    fn examples(&self) -> &'static [&'static str];
-    /// Formats in which the answer is printed, the default first; none of one that is always files.
-    fn formats(&self) -> &'static [&'static str];
-    /// Columns of the first table of its answer.
-    fn columns(&self) -> &'static [Column];
+    /// What doors show of it beside that.
+    fn about(&self) -> &About;
     /// Reads what a user says.
     ///
     /// # Errors
@@ -153,32 +147,8 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
         describe(&self.thing)
     }
 
-    fn more(&self) -> &'static str {
-        self.more
-    }
-
-    fn right(&self) -> Vec<Entry> {
-        (self.right)()
-    }
-
-    fn source(&self) -> &'static str {
-        self.source
-    }
-
-    fn is_by_element(&self) -> bool {
-        self.is_by_element
-    }
-
-    fn examples(&self) -> &'static [&'static str] {
-        self.examples
-    }
-
-    fn formats(&self) -> &'static [&'static str] {
-        self.formats
-    }
-
-    fn columns(&self) -> &'static [Column] {
-        self.columns
+    fn about(&self) -> &About {
+        &self.about
     }
 
     fn read(&self, source: &Provenance, entries: &[Entry]) -> Result<Box<dyn Prepared>, Error> {

@@ -10,7 +10,7 @@ use translucid_words::{
     optional_word, text, texts, word,
 };
 
-use crate::answer::{Answer, Control, Form, Question, Unanswered};
+use crate::answer::{About, Answer, Control, Form, Question, Unanswered};
 use crate::conversion_table::{COLUMNS, cells, list, paragraphs};
 
 use Fallback::{Plain, Words};
@@ -95,28 +95,30 @@ pub static CONVERT: Question<AskedConversion> = Question {
             Rule::OnlyWith("from_color_space", &["color_space"]),
         ],
     },
-    more: "A value is one number for all channels, or three for red, green and blue. A missing length or color is 1, but for the color that light has behind a distance (glTF, Substrate), which needs both; a missing factor is the system's default (RenderMan's unitLength 0.1).\n\nA conversion keeps the width d between systems that draw Burley's profile, and the transport mean free path between systems that walk or solve a medium. From one kind to the other d = mfp/s(A), by the fit of the --configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic; a g of pbrt, RISE, glTF or Cycles' walks is replaced by the similar isotropic medium.\n\nLengths are in --unit if a system takes scene units; Unreal's are always in cm, Unity HDRP's in mm and glTF's in m.\n\n--thin prints what a slab of the material reflects and passes, exactly, the thin-walled surface of OpenPBR, Blender and glTF that stands for it, and the errors of that, all as shares of the light that arrives. --wall-color and --wall-balance lead back: from the color of a thin wall, and the share of its light that goes to the other side, (1 + a)/2 of OpenPBR's subsurface_scatter_anisotropy a, to the slab that has such a reflectance and transmittance.\n\n--color-space prints the numbers for channels of other primaries: surface albedos change as colors do, and each new channel is the medium nearest to the mixture of old channels that it is. The rows `color space` have the share of the light that leaves at another radius than that mixture's: so, if lengths were kept, and if they changed as colors do. With --albedo-texture and --mfp-texture each texel is converted so, and two OpenEXR files are written; integers of the first are albedos by the curve of sRGB, in the primaries of --from-color-space. Linear color spaces: lin_rec709, acescg, lin_displayp3, lin_rec2020, lin_adobergb.\n\nSystems: translucid, cycles-burley, cycles-walk, cycles-walk-legacy, cycles-skin, cycles-2.9, eevee, pbrt, pbrt-v3-disney, appleseed, appleseed-random-walk, moonray, renderman, arnold, unreal, unreal-5.0, unreal-signed, substrate, hdrp, openpbr, gltf, adobe, karma, vray, materialx, rise, sort. Their parameters and rules: --from list, and docs/guide/conventions.md.",
-    source: "Rules of systems as their rows cite them.",
-    is_by_element: false,
-    right: || vec![
-        Entry::new("from", "translucid:mfp=0.2"),
-        Entry::new("surface_albedo", 0.6),
-        Entry::new("color_space", "acescg"),
-        Entry::new("thin", 0.1),
-    ],
-    examples: &[
-        "--from list",
-        "--from renderman:dmfp=8 --from renderman:dmfpColor=1,0.4,0.2 --surface-albedo 0.8,0.5,0.4 --unit cm",
-        "--from cycles-burley:subsurface_radius=1,0.2,0.1 --from cycles-burley:subsurface_scale=0.05 --surface-albedo 0.8 --unit m --to unreal,hdrp --format text",
-        "--from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00",
-        "--from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1",
-        "--from translucid:mfp=0.3,0.2,0.1 --surface-albedo 0.8,0.6,0.3 --thin 0.2 --format text",
-        "--wall-color 0.7,0.5,0.3 --wall-balance 0.4 --thin 0.2 --format text",
-        "--from translucid:mfp=3.7,1.4,0.7 --surface-albedo 0.44,0.22,0.13 --color-space acescg --to openpbr",
-        "--albedo-texture albedo.png --mfp-texture mfp.exr --color-space acescg -o textures",
-    ],
-    columns: &COLUMNS,
-    formats: &["csv", "json", "text"],
+    about: About {
+        more: "A value is one number for all channels, or three for red, green and blue. A missing length or color is 1, but for the color that light has behind a distance (glTF, Substrate), which needs both; a missing factor is the system's default (RenderMan's unitLength 0.1).\n\nA conversion keeps the width d between systems that draw Burley's profile, and the transport mean free path between systems that walk or solve a medium. From one kind to the other d = mfp/s(A), by the fit of the --configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic; a g of pbrt, RISE, glTF or Cycles' walks is replaced by the similar isotropic medium.\n\nLengths are in --unit if a system takes scene units; Unreal's are always in cm, Unity HDRP's in mm and glTF's in m.\n\n--thin prints what a slab of the material reflects and passes, exactly, the thin-walled surface of OpenPBR, Blender and glTF that stands for it, and the errors of that, all as shares of the light that arrives. --wall-color and --wall-balance lead back: from the color of a thin wall, and the share of its light that goes to the other side, (1 + a)/2 of OpenPBR's subsurface_scatter_anisotropy a, to the slab that has such a reflectance and transmittance.\n\n--color-space prints the numbers for channels of other primaries: surface albedos change as colors do, and each new channel is the medium nearest to the mixture of old channels that it is. The rows `color space` have the share of the light that leaves at another radius than that mixture's: so, if lengths were kept, and if they changed as colors do. With --albedo-texture and --mfp-texture each texel is converted so, and two OpenEXR files are written; integers of the first are albedos by the curve of sRGB, in the primaries of --from-color-space. Linear color spaces: lin_rec709, acescg, lin_displayp3, lin_rec2020, lin_adobergb.\n\nSystems: translucid, cycles-burley, cycles-walk, cycles-walk-legacy, cycles-skin, cycles-2.9, eevee, pbrt, pbrt-v3-disney, appleseed, appleseed-random-walk, moonray, renderman, arnold, unreal, unreal-5.0, unreal-signed, substrate, hdrp, openpbr, gltf, adobe, karma, vray, materialx, rise, sort. Their parameters and rules: --from list, and docs/guide/conventions.md.",
+        source: "Rules of systems as their rows cite them.",
+        is_by_element: false,
+        right: || vec![
+            Entry::new("from", "translucid:mfp=0.2"),
+            Entry::new("surface_albedo", 0.6),
+            Entry::new("color_space", "acescg"),
+            Entry::new("thin", 0.1),
+        ],
+        examples: &[
+            "--from list",
+            "--from renderman:dmfp=8 --from renderman:dmfpColor=1,0.4,0.2 --surface-albedo 0.8,0.5,0.4 --unit cm",
+            "--from cycles-burley:subsurface_radius=1,0.2,0.1 --from cycles-burley:subsurface_scale=0.05 --surface-albedo 0.8 --unit m --to unreal,hdrp --format text",
+            "--from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00",
+            "--from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1",
+            "--from translucid:mfp=0.3,0.2,0.1 --surface-albedo 0.8,0.6,0.3 --thin 0.2 --format text",
+            "--wall-color 0.7,0.5,0.3 --wall-balance 0.4 --thin 0.2 --format text",
+            "--from translucid:mfp=3.7,1.4,0.7 --surface-albedo 0.44,0.22,0.13 --color-space acescg --to openpbr",
+            "--albedo-texture albedo.png --mfp-texture mfp.exr --color-space acescg -o textures",
+        ],
+        columns: &COLUMNS,
+        formats: &["csv", "json", "text"],
+    },
     form: |_| Form::Table,
     answer,
 };
@@ -233,7 +235,7 @@ mod tests {
     #[test]
     fn help_has_all_names() {
         for names in [conversion_system_names().join(", "), LINEAR_SPACES.join(", ")] {
-            assert!(CONVERT.more.contains(&names), "{names}");
+            assert!(CONVERT.about.more.contains(&names), "{names}");
         }
     }
 }

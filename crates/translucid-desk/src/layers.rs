@@ -17,7 +17,7 @@ use translucid_words::{
     optional, optional_word, parsed, table, things, varied, word,
 };
 
-use crate::answer::{Answer, Control, Form, Question, Unanswered, context};
+use crate::answer::{About, Answer, Control, Form, Question, Unanswered, context};
 use crate::phase_function::GivenPhaseFunction;
 
 use Fallback::{Plain, Required, Words};
@@ -374,13 +374,15 @@ pub static LAYERS: Question<AskedLayers> = Question {
         ],
         rules: &[Rule::NotWith(&["r", "incidence_angle"], "profiles of layers are those of a searchlight along the normal")],
     },
-    more: "Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered light only, around a beam along the normal.",
-    source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",
-    is_by_element: true,
-    right: right_layers,
-    examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
-    columns: &TOTALS,
-    formats: &["csv", "json"],
+    about: About {
+        more: "Totals are parts of the light that arrives from above, what the faces reflect included; profiles are scattered light only, around a beam along the normal.",
+        source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",
+        is_by_element: true,
+        right: right_layers,
+        examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
+        columns: &TOTALS,
+        formats: &["csv", "json"],
+    },
     form: |_| Form::Table,
     answer,
 };

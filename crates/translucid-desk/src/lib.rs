@@ -24,7 +24,7 @@ mod stack;
 #[doc(hidden)]
 pub mod wrong;
 
-pub use answer::{Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
+pub use answer::{About, Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
 pub use convert::CONVERT;
 #[cfg(not(target_family = "wasm"))]
 pub use judge::JUDGE;

@@ -12,7 +12,7 @@ use translucid_words::{
     Cell, Column, Context, DataTable, Error, Fallback, Thing, Varied, document, field, flag, word,
 };
 
-use crate::answer::{Answer, Control, Form, NamedFile, Question, Unanswered};
+use crate::answer::{About, Answer, Control, Form, NamedFile, Question, Unanswered};
 use crate::layers::{Builder, LAYERS_FILE, LayersKeys, right_layers};
 
 use Fallback::{Plain, Required};
@@ -54,18 +54,20 @@ pub static STACK: Question<AskedStack> = Question {
         ],
         rules: &[],
     },
-    more: "The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the reflectances of black and white.\n\nEverything is what an instrument of the geometry d:8 measures: light from everywhere, viewed at 8 degrees.",
-    source: "Layers as in layers; colors by CIE 15:2018; G. Sharma, W. Wu and E. N. Dalal 2005, The CIEDE2000 color-difference formula; P. Kubelka and F. Munk 1931; J. L. Saunderson 1942.",
-    is_by_element: false,
-    right: right_layers,
-    examples: &[
-        "tooth.toml",
-        "tooth.toml --format text --specular excluded",
-        "tooth.toml --channels -o spectra.csv",
-        "tooth.toml -o tooth.svg",
-    ],
-    columns: &COLORS,
-    formats: &["csv", "json", "text"],
+    about: About {
+        more: "The file is that of reference --layers, in which a number may also be three, for red, green and blue (linear Rec. 709), or a table over wavelengths in nm, and a layer may be a filament by its color and transmission distance. [grounds] has the reflectances of black and white.\n\nEverything is what an instrument of the geometry d:8 measures: light from everywhere, viewed at 8 degrees.",
+        source: "Layers as in layers; colors by CIE 15:2018; G. Sharma, W. Wu and E. N. Dalal 2005, The CIEDE2000 color-difference formula; P. Kubelka and F. Munk 1931; J. L. Saunderson 1942.",
+        is_by_element: false,
+        right: right_layers,
+        examples: &[
+            "tooth.toml",
+            "tooth.toml --format text --specular excluded",
+            "tooth.toml --channels -o spectra.csv",
+            "tooth.toml -o tooth.svg",
+        ],
+        columns: &COLORS,
+        formats: &["csv", "json", "text"],
+    },
     form: |_| Form::Table,
     answer,
 };

@@ -20,7 +20,7 @@ pub struct Wrong {
 
 /// Every wrong question of a question.
 pub fn wrong(question: &dyn Ask) -> Vec<Wrong> {
-    let right = question.right();
+    let right = (question.about().right)();
     let mut all = Vec::new();
     change(&question.keys(), &right, &mut |said, key, is_outermost, value| {
         all.push(Wrong { said, key, is_outermost, value });
@@ -104,7 +104,7 @@ mod tests {
             for spelling in [Spelling::Keys, Spelling::Flags, Spelling::Camel] {
                 let source = Provenance::part("").of("the question").spelled(spelling);
                 let read = |said: &[Entry]| question.read(&source, said).map(drop);
-                assert_eq!(read(&question.right()).err(), None, "{}", question.name());
+                assert_eq!(read(&(question.about().right)()).err(), None, "{}", question.name());
                 for wrong in wrong(question) {
                     let Err(error) = read(&wrong.said) else {
                         panic!("{}: {} may be {}", question.name(), wrong.key, wrong.value)

@@ -272,7 +272,7 @@ pub(crate) fn _ask<'py>(
     let (found, columns) = (PyDict::new(py), PyDict::new(py));
     if let Some(table) = answer.tables.first() {
         for (i, named) in table.columns.iter().enumerate() {
-            columns.set_item(&*named.name, column(py, &said, table, i, question.is_by_element())?)?;
+            columns.set_item(&*named.name, column(py, &said, table, i, question.about().is_by_element)?)?;
         }
     }
     found.set_item("columns", columns)?;
