@@ -322,8 +322,9 @@ pub(crate) fn value(kind: &Kind, text: &str) -> Value {
         Kind::Numbers(..) if text.contains(',') => parts().map(number).collect::<Vec<Value>>().into(),
         Kind::Number(_) | Kind::Whole(_) | Kind::Numbers(..) => number(text),
         Kind::Varied(_) => match parts().map(str::parse).collect::<Result<Vec<f64>, _>>() {
+            Ok(numbers) if numbers.len() == 1 => number(text),
             Ok(numbers) => Content::Numbers(numbers.into()).into(),
-            Err(_) => text.into(),
+            Err(_) => Content::Other("no list of numbers").into(),
         },
         Kind::Words(_) => parts().map(Value::from).collect::<Vec<Value>>().into(),
         _ => text.into(),

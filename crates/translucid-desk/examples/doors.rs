@@ -21,12 +21,17 @@ const OWN_IN_PYTHON: [&str; 2] = ["layers", "convert"];
 /// Those that JavaScript has so.
 const OWN_IN_JAVASCRIPT: [&str; 1] = ["convert"];
 
-/// Pages of the guide with tables of options.
-const PAGES: [(&str, &[&str]); 3] = [
-    ("docs/guide/stack.md", &["stack"]),
-    ("docs/guide/layers.md", &["layers"]),
-    ("docs/guide/skin.md", &["skin"]),
+/// Pages of the guide with tables of options, or of the keys of a table among them by its path.
+const PAGES: [&str; 5] = [
+    "docs/guide/stack.md",
+    "docs/guide/layers.md",
+    "docs/guide/skin.md",
+    "docs/guide/oracle.md",
+    "docs/guide/conventions.md",
 ];
+
+/// What begins a table, before its path.
+const MARKER: &str = "<!-- options: ";
 
 fn main() -> ExitCode {
     let written = files().and_then(|files| {
@@ -66,19 +71,19 @@ fn files() -> Result<Vec<Generated>, String> {
         file("crates/translucid-wasm/package/translucid.js", &|old| between(old, &javascript()))?,
         file("crates/translucid-wasm/package/translucid.d.ts", &|old| between(old, &types()))?,
     ];
-    for (page, names) in PAGES {
+    for page in PAGES {
         all.push(file(page, &|old| {
-            names.iter().try_fold(old.to_owned(), |text, path| {
-                replaced(
-                    &text,
-                    &format!("<!-- options: {path} -->\n"),
-                    "<!-- end of options -->",
-                    &keys_at(path)?,
-                )
+            paths(old).into_iter().try_fold(old.to_owned(), |text, path| {
+                replaced(&text, &format!("{MARKER}{path} -->\n"), "<!-- end of options -->", &keys_at(path)?)
             })
         })?);
     }
     Ok(all)
+}
+
+/// Paths of the tables in a page.
+fn paths(page: &str) -> Vec<&str> {
+    page.split(MARKER).skip(1).filter_map(|rest| rest.split(" -->").next()).collect()
 }
 
 /// A text with something else between two markers.
@@ -116,7 +121,7 @@ fn markdown(keys: &[Described], are_options: bool) -> String {
         };
         let more = if key.more.is_empty() { String::new() } else { format!(" {}", key.more) };
         let words = match key.kind.words() {
-            words if words.is_empty() || key.doc.contains(words[0]) => String::new(),
+            words if words.iter().all(|word| key.doc.contains(word)) => String::new(),
             words => {
                 format!(": {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
             }
@@ -379,6 +384,23 @@ fn javascript_type(kind: &Kind, indent: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_question_is_exported_and_has_a_page() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let module = std::fs::read_to_string(root.join("python/translucid/__init__.py")).unwrap();
+        for name in QUESTIONS.map(|question| question.name()) {
+            let is_own = OWN_IN_PYTHON.contains(&name);
+            assert!(
+                is_own || module.contains(&format!("    \"{name}\",\n")),
+                "translucid.{name} is not exported"
+            );
+            assert!(
+                PAGES.iter().any(|(_, names)| names.contains(&name)),
+                "no page has the options of {name}"
+            );
+        }
+    }
 
     #[test]
     fn doors_are_those_of_the_descriptions() {

@@ -94,8 +94,8 @@ pub struct About {
     pub source: &'static str,
     /// Whether the answer has a row for each channel or element of values that vary.
     pub is_by_element: bool,
-    /// A question that is right, in few words.
-    pub right: fn() -> Vec<Entry>,
+    /// Questions that are right, in few words: keys that exclude each other are in different ones.
+    pub right: fn() -> Vec<Vec<Entry>>,
     /// Examples as words of the command.
     pub examples: &'static [&'static str],
     /// Columns of the first table of its answer.

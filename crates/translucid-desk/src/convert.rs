@@ -99,12 +99,16 @@ pub static CONVERT: Question<AskedConversion> = Question {
         more: "A value is one number for all channels, or three for red, green and blue. A missing length or color is 1, but for the color that light has behind a distance (glTF, Substrate), which needs both; a missing factor is the system's default (RenderMan's unitLength 0.1).\n\nA conversion keeps the width d between systems that draw Burley's profile, and the transport mean free path between systems that walk or solve a medium. From one kind to the other d = mfp/s(A), by the fit of the --configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic; a g of pbrt, RISE, glTF or Cycles' walks is replaced by the similar isotropic medium.\n\nLengths are in --unit if a system takes scene units; Unreal's are always in cm, Unity HDRP's in mm and glTF's in m.\n\n--thin prints what a slab of the material reflects and passes, exactly, the thin-walled surface of OpenPBR, Blender and glTF that stands for it, and the errors of that, all as shares of the light that arrives. --wall-color and --wall-balance lead back: from the color of a thin wall, and the share of its light that goes to the other side, (1 + a)/2 of OpenPBR's subsurface_scatter_anisotropy a, to the slab that has such a reflectance and transmittance.\n\n--color-space prints the numbers for channels of other primaries: surface albedos change as colors do, and each new channel is the medium nearest to the mixture of old channels that it is. The rows `color space` have the share of the light that leaves at another radius than that mixture's: so, if lengths were kept, and if they changed as colors do. With --albedo-texture and --mfp-texture each texel is converted so, and two OpenEXR files are written; integers of the first are albedos by the curve of sRGB, in the primaries of --from-color-space. Linear color spaces: lin_rec709, acescg, lin_displayp3, lin_rec2020, lin_adobergb.\n\nSystems: translucid, cycles-burley, cycles-walk, cycles-walk-legacy, cycles-skin, cycles-2.9, eevee, pbrt, pbrt-v3-disney, appleseed, appleseed-random-walk, moonray, renderman, arnold, unreal, unreal-5.0, unreal-signed, substrate, hdrp, openpbr, gltf, adobe, karma, vray, materialx, rise, sort. Their parameters and rules: --from list, and docs/guide/conventions.md.",
         source: "Rules of systems as their rows cite them.",
         is_by_element: false,
-        right: || vec![
-            Entry::new("from", "translucid:mfp=0.2"),
-            Entry::new("surface_albedo", 0.6),
-            Entry::new("color_space", "acescg"),
-            Entry::new("thin", 0.1),
-        ],
+        right: || {
+            let material = || vec![Entry::new("from", "translucid:mfp=0.2"), Entry::new("surface_albedo", 0.6)];
+            let said = |keys: [(&str, &str); 3]| keys.map(|(key, text)| Entry::new(key, text));
+            let wall = ["wall_color", "wall_balance"].map(|key| Entry::new(key, 0.5));
+            vec![
+                [material(), vec![Entry::new("color_space", "acescg"), Entry::new("thin", 0.1)]].concat(),
+                [&material()[..], &said([("to", "renderman"), ("set", "renderman:unitLength=1"), ("to_unit", "cm")])].concat(),
+                wall.to_vec(),
+            ]
+        },
         examples: &[
             "--from list",
             "--from renderman:dmfp=8 --from renderman:dmfpColor=1,0.4,0.2 --surface-albedo 0.8,0.5,0.4 --unit cm",

@@ -97,13 +97,19 @@ pub static JUDGE: Question<AskedJudge> = Question {
         more: "The picture is linear OpenEXR with channels R, G, B: a plane seen straight from above, orthographically, whose irradiance is 1 in a shape and 0 elsewhere. Make it by the pass under test, with borders that repeat the last pixel for an edge or a line:\n  edge: one half is lit, whatever the direction of the straight line between both;\n  disk: a disk whose diameter is the size is lit;\n  line: a band whose width is the size is lit, along rows or columns.\nThe plane is a half space. Its light is exact with g 0 and eta 1. Otherwise 400,000 photons walk for it, and the light across an edge is known to 0.001 (one standard error).\n\nA channel is right if its RMS difference is at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all its light within 2 %, which takes white. If it is not, the light that known mistakes draw is compared with it. The one that explains the picture gives the verdict: profile, gather, or picture (a wrong size). unknown means that none does.\n\nThe diffuse mean free path is the exact one of this surface albedo and configuration. export takes it for the searchlight's unless stated, and convert goes by Burley's fit: a note prints all three in mean free paths.",
         source: "",
         is_by_element: false,
-        right: || vec![
-            Entry::new("picture", "pass.exr"),
-            Entry::new("setup", "edge"),
-            Entry::new("pixel", 0.05),
-            Entry::new("surface_albedo", Value::list(&[0.9, 0.6, 0.4])),
-            Entry::new("mfp", 1.0),
-        ],
+        right: || {
+            let said = |setup: &str, length: &str, others: &[Entry]| {
+                let own = [
+                    Entry::new("picture", "pass.exr"),
+                    Entry::new("setup", setup),
+                    Entry::new("pixel", 0.05),
+                    Entry::new("surface_albedo", Value::list(&[0.9, 0.6, 0.4])),
+                    Entry::new(length, 1.0),
+                ];
+                [&own[..], others].concat()
+            };
+            vec![said("edge", "mfp", &[]), said("disk", "dmfp", &[Entry::new("size", 2.0)])]
+        },
         examples: &[
             "pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9,0.6,0.4 --mfp 1,0.5,0.3",
             "pass.exr --setup disk --size 2 --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --white 1 -o judgement.svg",

@@ -387,18 +387,31 @@ pub static LAYERS: Question<AskedLayers> = Question {
     answer,
 };
 
-/// A layer on a ground, under a medium.
-pub(crate) fn right_layers() -> Vec<Entry> {
-    let layer = [("thickness", 1.0), ("scattering", 2.0), ("absorption", 0.5)];
+/// A layer by its coefficients on a ground, one by what it looks like on a medium, and a filament over grounds.
+pub(crate) fn right_layers() -> Vec<Vec<Entry>> {
     let table = |keys: &[(&str, f64)]| -> Value {
         keys.iter().map(|(key, number)| Entry::new(key, *number)).collect::<Vec<Entry>>().into()
     };
-    let document = vec![
-        Entry::new("above", table(&[("eta", 1.0)])),
-        Entry::new("layer", vec![table(&layer)]),
-        Entry::new("below", table(&[("reflectance", 0.5)])),
-    ];
-    vec![Entry::new("layers", document)]
+    let said = |layer: Value, key: &str, below: Value| {
+        let above = Entry::new("above", table(&[("eta", 1.0)]));
+        vec![Entry::new("layers", vec![above, Entry::new("layer", vec![layer]), Entry::new(key, below)])]
+    };
+    let color = Entry::new("color", Value::list(&[0.9, 0.5, 0.1]));
+    let filament = vec![color, Entry::new("transmission_distance", 5.0), Entry::new("transmitted", 0.1)];
+    let printed = vec![Entry::new("thickness", 1.0), Entry::new("filament", filament)];
+    vec![
+        said(
+            table(&[("thickness", 1.0), ("scattering", 2.0), ("absorption", 0.5)]),
+            "below",
+            table(&[("reflectance", 0.5)]),
+        ),
+        said(
+            table(&[("thickness", 1.0), ("surface_albedo", 0.8), ("mfp", 0.5)]),
+            "below",
+            table(&[("eta", 1.4)]),
+        ),
+        said(printed.into(), "grounds", table(&[("black", 0.0), ("white", 1.0)])),
+    ]
 }
 
 /// Columns of totals: before and after those of each layer.
@@ -434,7 +447,7 @@ impl AskedLayers {
     fn incidence(&self) -> Result<Incidence, Error> {
         match (self.incidence_angle, self.configuration) {
             (Some(_), Some(Configuration::Diffuse)) => {
-                Err(Error::new("incidence_angle belongs to a beam, not to diffuse light"))
+                Err(Error::new("`incidence_angle` belongs to a beam, not to diffuse light"))
             }
             (Some(degrees), _) => Ok(Incidence::Pencil { cos_theta: degrees.to_radians().cos() }),
             (None, configuration) => Ok(configuration.map_or(Incidence::NORMAL, Incidence::from)),
@@ -604,7 +617,7 @@ fn refused(error: ParameterError) -> Unanswered {
     let refusal = Error::new(format!("{parameter} is {value}, but must be {}", error.requirement()));
     Unanswered::Input(match parameter {
         "cos_theta" => {
-            refusal.with_help("cos_theta is the cosine of incidence_angle: choose a smaller angle")
+            refusal.with_help("cos_theta is the cosine of `incidence_angle`: choose a smaller angle")
         }
         _ => refusal,
     })

@@ -49,7 +49,7 @@ pub static ORACLE: Question<AskedOracle> = Question {
         more: "Each table is NAME.csv and, with units, meanings, method and command, NAME.json, after schema.json:\n  profile: R(r) and the light within r, of half spaces by surface albedo, g, eta and configuration;\n  edge: light beside the edge of a half plane that is lit: what a screen-space pass should show;\n  disk: light in and around a small disk that is lit;\n  line: light in and beside a thin line that is lit;\n  totals: surface albedo by single-scattering albedo;\n  inversion: single-scattering albedo by surface albedo, and the diffuse mean free path;\n  slabs: light that slabs reflect, pass and absorb;\n  spheres: light that leaves spheres.\nLengths are mean free paths. Every number has its error. The files have the same bytes each time.\ndocs/guide/oracle.md shows how to test with them.",
         source: "",
         is_by_element: false,
-        right: Vec::new,
+        right: || vec![Vec::new()],
         examples: &["-o oracle", "-o edges --only edge,line"],
         columns: &[],
         formats: &[],

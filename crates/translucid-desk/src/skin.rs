@@ -104,7 +104,7 @@ pub static SKIN: Question<AskedSkin> = Question {
         more: "Skin is an epidermis with melanin on a dermis with blood; lengths are in mm.\n\nThe medium has for each channel of linear sRGB the surface albedo and the mean free path of one index-matched medium with isotropic scattering, in diffuse light. The albedo is exactly the skin's. The mean free path makes the light that leaves within any radius as equal as it gets.\n\nThe material is the same as a material of a scene file.\n\nThe color is XYZ, CIELAB, individual typology angle in degrees and sRGB under D65 for the observer of 1931 (quantity), with and without what the surface reflects (with_surface, without_surface).\n\nThe spectrum is the light reflected and absorbed from 380 to 780 nm: wavelength_nm, specular_reflectance, diffuse_reflectance, absorbed_by_epidermis, absorbed_by_dermis, absorbed_by_subcutis, error.\n\nThe profile is the part of the light that leaves within a radius, by channel: r_mm, enclosed_r, enclosed_g, enclosed_b.\n\nTextures of melanin or blood make a directory of surface_albedo.exr and mfp.exr, linear and in mm, and material.toml, which has both. Media are computed for some tens of skins and interpolated; a remark gives the errors.",
         source: "Pigments after S. L. Jacques 1998, Skin optics; tones are the classes of A. Chardon et al. 1991, fitted to reflectances of the International Skin Spectra Archive (Y. Lu et al. 2025, Scientific Data 12); layers as in layers.",
         is_by_element: false,
-        right: Vec::new,
+        right: || vec![Vec::new()],
         examples: &[
             "--tone III",
             "--tone V --what material",

@@ -1,7 +1,7 @@
 //! Wrong questions, made from the descriptions: every door must refuse each of them, by the key, what was found and what is
 //! allowed.
 
-use translucid_words::{Described, Entry, Kind, Value};
+use translucid_words::{Content, Described, Entry, Kind, Value};
 
 use crate::Ask;
 
@@ -18,41 +18,68 @@ pub struct Wrong {
     pub value: Value,
 }
 
-/// Every wrong question of a question.
+/// Every wrong question of a question: each key is changed in the first right question that has it, so that no other key
+/// stands in its way, or else in the first of all.
 pub fn wrong(question: &dyn Ask) -> Vec<Wrong> {
-    let right = (question.about().right)();
+    let rights: Vec<Vec<Entry>> = (question.about().right)();
+    let mut known = Vec::<(String, usize)>::new();
+    for (number, right) in rights.iter().enumerate() {
+        for path in paths(right, "") {
+            if known.iter().all(|(other, _)| *other != path) {
+                known.push((path, number));
+            }
+        }
+    }
     let mut all = Vec::new();
-    change(&question.keys(), &right, &mut |said, key, is_outermost, value| {
-        all.push(Wrong { said, key, is_outermost, value });
-    });
+    for (number, right) in rights.iter().enumerate() {
+        change(&question.keys(), right, "", &mut |said, path, key, is_outermost, value| {
+            let place = known.iter().find(|(other, _)| other == path).map_or(0, |(_, number)| *number);
+            if place == number {
+                all.push(Wrong { said, key, is_outermost, value });
+            }
+        });
+    }
     all
 }
 
-/// Entries with a wrong value, its key, whether it is an outermost one, and the value.
-type Found<'a> = dyn FnMut(Vec<Entry>, &'static str, bool, Value) + 'a;
+/// Paths of all keys that entries have.
+fn paths(entries: &[Entry], before: &str) -> Vec<String> {
+    let all = |entry: &Entry| {
+        let path = format!("{before}.{}", entry.key);
+        let mut inner = table_of(&entry.value).map_or(Vec::new(), |entries| paths(&entries, &path));
+        inner.push(path);
+        inner
+    };
+    entries.iter().flat_map(all).collect()
+}
 
-fn change(keys: &[Described], right: &[Entry], found: &mut Found<'_>) {
+/// A table, or the first of several.
+fn table_of(value: &Value) -> Option<Vec<Entry>> {
+    match &value.content {
+        Content::Table(entries) => Some(entries.clone()),
+        Content::List(list) => list.first().and_then(table_of),
+        _ => None,
+    }
+}
+
+/// Entries with a wrong value, the path of its key, the key, whether it is an outermost one, and the value.
+type Found<'a> = dyn FnMut(Vec<Entry>, &str, &'static str, bool, Value) + 'a;
+
+fn change(keys: &[Described], right: &[Entry], before: &str, found: &mut Found<'_>) {
     for key in keys {
+        let path = format!("{before}.{}", key.name);
         for value in values(&key.kind) {
-            found(with(right, key.name, value.clone()), key.name, true, value);
+            found(with(right, key.name, value.clone()), &path, key.name, before.is_empty(), value);
         }
         let (Kind::Document(inner) | Kind::Table(inner) | Kind::Tables(inner, _)) = &key.kind else {
             continue;
         };
-        let stated = right.iter().find(|entry| entry.key == key.name).map(|entry| &entry.value);
-        // A table of its own, or the first of several
-        let first = match stated.map(|value| &value.content) {
-            Some(translucid_words::Content::Table(entries)) => entries.clone(),
-            Some(translucid_words::Content::List(list)) => match list.first().map(|value| &value.content) {
-                Some(translucid_words::Content::Table(entries)) => entries.clone(),
-                _ => continue,
-            },
-            _ => continue,
-        };
-        change(inner, &first, &mut |entries, name, _, value| {
+        let stated = right.iter().find(|entry| entry.key == key.name);
+        let Some(first) = stated.and_then(|entry| table_of(&entry.value)) else { continue };
+        change(inner, &first, &path, &mut |entries, path, name, _, value| {
             let table = Value::from(entries);
             let nested = if let Kind::Tables(..) = key.kind { Value::from(vec![table]) } else { table };
-            found(with(right, key.name, nested), name, false, value);
+            found(with(right, key.name, nested), path, name, false, value);
         });
     }
 }
@@ -104,7 +131,9 @@ mod tests {
             for spelling in [Spelling::Keys, Spelling::Flags, Spelling::Camel] {
                 let source = Provenance::part("").of("the question").spelled(spelling);
                 let read = |said: &[Entry]| question.read(&source, said).map(drop);
-                assert_eq!(read(&(question.about().right)()).err(), None, "{}", question.name());
+                for right in (question.about().right)() {
+                    assert_eq!(read(&right).err(), None, "{}", question.name());
+                }
                 for wrong in wrong(question) {
                     let Err(error) = read(&wrong.said) else {
                         panic!("{}: {} may be {}", question.name(), wrong.key, wrong.value)

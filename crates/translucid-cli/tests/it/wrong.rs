@@ -2,7 +2,7 @@
 
 use translucid_desk::QUESTIONS;
 use translucid_desk::wrong::{Wrong, wrong};
-use translucid_words::{Content, Entry, Spelling, Value};
+use translucid_words::{Content, Entry, Kind, Spelling, Value};
 
 use crate::common::{stderr, translucid};
 
@@ -35,9 +35,14 @@ fn wrong_questions_are_refused_by_their_options() {
     let directory = tempfile::tempdir().unwrap();
     let mut count = 0;
     for question in QUESTIONS {
+        let keys = question.keys();
         // The file that a question is about is no option
-        let file = question.keys()[0].name;
-        for wrong in wrong(question).into_iter().filter(|wrong| wrong.is_outermost && wrong.key != file) {
+        let is_file = |key: &str| {
+            key == keys[0].name
+                && keys[0].is_required
+                && matches!(keys[0].kind, Kind::Document(_) | Kind::Path)
+        };
+        for wrong in wrong(question).into_iter().filter(|wrong| wrong.is_outermost && !is_file(wrong.key)) {
             let Some(words) = words(&wrong, directory.path()) else { continue };
             let output = translucid(directory.path()).arg(question.name()).args(&words).output().unwrap();
             let (message, option) = (stderr(&output), Spelling::Flags.of(wrong.key));
