@@ -397,7 +397,7 @@ mod tests {
             );
             let has_table =
                 |page: &&str| paths(&std::fs::read_to_string(root.join(page)).unwrap()).contains(&name);
-            assert!(PAGES.iter().any(|page| has_table(page)), "no page has the options of {name}");
+            assert!(PAGES.iter().any(has_table), "no page has the options of {name}");
         }
     }
 
