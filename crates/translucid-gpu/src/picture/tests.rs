@@ -51,16 +51,6 @@ pub(super) fn picture(scene: &Scene, samples: u32, device: Option<&Arc<Tracer>>)
         session.set_device(Some(OnDevice::required(Arc::clone(device) as Arc<dyn TracingDevice>))).unwrap();
     }
     session.run(&Plan::samples(samples), &|_| {}, &AtomicBool::new(false)).unwrap();
-    if device.is_some() {
-        let mut h = 0xcbf29ce484222325_u64;
-        let film = session.film();
-        for layer in FilmLayer::ALL {
-            for v in film.layer(layer) {
-                h = (h ^ u64::from(v.to_bits())).wrapping_mul(0x100000001b3);
-            }
-        }
-        eprintln!("BITS {h:016x}");
-    }
     session
 }
 
