@@ -49,7 +49,7 @@ fn wrong_questions_are_refused_by_their_options() {
             assert_eq!(output.status.code(), Some(2), "{} {words:?}: {message}", question.name());
             assert!(message.contains(&option), "{} {words:?}: {message}", question.name());
             assert!(
-                ["must", "need", "possible values", "unexpected value", "required"]
+                ["must", "need", "allowed", "possible values", "unexpected value", "required"]
                     .iter()
                     .any(|word| message.contains(word)),
                 "{} {words:?}: {message}",
