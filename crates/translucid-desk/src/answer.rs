@@ -195,7 +195,9 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
 /// What reading of a question begins with; in WebAssembly there are no files.
 #[cfg(target_family = "wasm")]
 pub(crate) fn context() -> Context {
-    Context { vary: Some(vary), ..Context::default() }
+    let mut context = Context::default();
+    context.vary = Some(vary);
+    context
 }
 
 /// What reading of a question begins with.

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+#[cfg(not(target_family = "wasm"))]
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -9,12 +10,13 @@ use rayon::prelude::*;
 use translucid_laboratory::stack::Filament;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_reference::Incidence;
-use translucid_reference::layers::{Ground, Layer, Layers};
-use translucid_reference::walk::{Control as WalkControl, PhaseFunction};
+use translucid_reference::layers::{Ground, Layer, Layers, Totals};
+#[cfg(not(target_family = "wasm"))]
+use translucid_reference::walk::Control as WalkControl;
 use translucid_words::{
-    Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Item, Parse, Place, Placed,
-    Provenance, Questions, Rule, Table, Thing, Value, Varied, Word, document, exact, field, number, numbers,
-    optional, optional_word, parsed, table, things, varied, word,
+    Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Item, Parse, Placed, Provenance,
+    Questions, Rule, Table, Thing, Value, Varied, Word, document, exact, field, number, numbers, optional,
+    optional_word, parsed, table, things, varied, word,
 };
 
 use crate::answer::{About, Answer, Control, Form, Question, Unanswered, context};
@@ -197,6 +199,7 @@ impl LayersKeys {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value not allowed.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn read(table: Table<'_>) -> Result<(Self, Context), Error> {
         let mut context = context();
         let keys = LAYERS_FILE.read(&table.allow(&LAYERS_FILE.keys())?, &mut context)?;
@@ -258,7 +261,7 @@ pub fn load_layers(path: &Path) -> Result<Layers, Error> {
     let (keys, context) = LayersKeys::read(Table::root(&source, &entries))?;
     if context.count() > 1 {
         let error = Error::at(
-            Place::file(path),
+            translucid_words::Place::file(path),
             "values differ between wavelengths or channels, but this takes one number each",
         );
         return Err(error.with_help("translucid stack and translucid layers read them"));
@@ -308,9 +311,9 @@ impl Builder {
             };
         let layer = layer.with_eta(eta);
         Ok(match &keys.phase_function {
-            Some(GivenPhaseFunction(given)) => layer.with_phase_function(given.clone()),
+            Some(given) => given.of(layer),
             None if keys.moments.is_empty() => layer,
-            None => layer.with_phase_function(PhaseFunction::Moments(keys.moments.clone().into())),
+            None => layer.with_moments(keys.moments.clone()),
         })
     }
 
@@ -430,6 +433,7 @@ static TOTALS: [Column; 7] = [
 ];
 
 /// Columns of profiles.
+#[cfg(not(target_family = "wasm"))]
 static PROFILE: [Column; 5] = [
     Column::new("r", "L", "distance from the beam"),
     Column::new("reflectance", "L^-2", "scattered light that returns, per area"),
@@ -478,11 +482,48 @@ fn at_element(error: Error, element: usize, count: usize) -> Error {
     Error { message: format!("{} (at index [{element}])", error.message), ..error }
 }
 
+/// The control of a solution, which counts what is done.
+#[cfg(not(target_family = "wasm"))]
+fn watched<'a>(control: &Control<'a>, count: &'a (dyn Fn(u64) + Sync)) -> WalkControl<'a> {
+    WalkControl { stop: control.stop, progress: count, ..WalkControl::default() }
+}
+
+/// Totals to a tolerance; none if the work was stopped.
+#[cfg(not(target_family = "wasm"))]
+fn totals_within(
+    layers: &Layers,
+    tolerance: f64,
+    incidence: Incidence,
+    watch: &WalkControl<'_>,
+) -> Result<Option<Totals>, ParameterError> {
+    layers.totals_within(tolerance, incidence, watch)
+}
+
+/// WebAssembly has no walks, from which others have their control.
+#[cfg(target_family = "wasm")]
+struct WalkControl;
+
+#[cfg(target_family = "wasm")]
+fn watched(_: &Control<'_>, _: &(dyn Fn(u64) + Sync)) -> WalkControl {
+    WalkControl
+}
+
+/// Totals to the one tolerance that WebAssembly has.
+#[cfg(target_family = "wasm")]
+fn totals_within(
+    layers: &Layers,
+    _: f64,
+    incidence: Incidence,
+    _: &WalkControl,
+) -> Result<Option<Totals>, ParameterError> {
+    layers.totals(incidence).map(Some)
+}
+
 /// Solves every stack.
 fn solve<T: Send>(
     stacks: &[Layers],
     control: &Control<'_>,
-    one: impl Fn(&Layers, &WalkControl<'_>) -> Result<Option<T>, Unanswered> + Sync,
+    one: impl Fn(&Layers, &WalkControl) -> Result<Option<T>, Unanswered> + Sync,
 ) -> Result<Vec<T>, Unanswered> {
     let done = AtomicU64::new(0);
     let total = (PARTS * stacks.len() as u64) as f64;
@@ -494,7 +535,7 @@ fn solve<T: Send>(
             let more = part.saturating_sub(before);
             (control.progress)((done.fetch_add(more, Ordering::Relaxed) + more) as f64 / total);
         };
-        let watch = WalkControl { stop: control.stop, progress: &count, ..WalkControl::default() };
+        let watch = watched(control, &count);
         let solved = one(layers, &watch)?.ok_or(Unanswered::Stopped)?;
         count(PARTS);
         Ok(solved)
@@ -506,6 +547,9 @@ fn answer(asked: &AskedLayers, context: &Context, control: &Control<'_>) -> Resu
     let Some(keys) = &asked.layers else { return Ok(Answer::default()) };
     if keys.grounds.is_some() {
         return Err(Error::new("grounds are those of a stack, which has colors").into());
+    }
+    if cfg!(target_family = "wasm") && asked.tolerance.is_some() {
+        return Err(Error::new("`tolerance` is not in this module: leave it out").into());
     }
     let incidence = asked.incidence()?;
     let (stacks, places) = stacks(keys, context.count())?;
@@ -528,7 +572,7 @@ fn totals(
 ) -> Result<Answer, Unanswered> {
     let tolerance = asked.tolerance.unwrap_or(1e-6);
     let solved = solve(stacks, control, |layers, watch| {
-        let totals = layers.totals_within(tolerance, incidence, watch).map_err(refused)?;
+        let totals = totals_within(layers, tolerance, incidence, watch).map_err(refused)?;
         match totals {
             Some(totals) if totals.error > HOPELESS.max(tolerance) => {
                 let error =

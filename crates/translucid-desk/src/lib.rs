@@ -16,6 +16,10 @@ mod judge;
 mod layers;
 #[cfg(not(target_family = "wasm"))]
 mod oracle;
+#[cfg(not(target_family = "wasm"))]
+mod phase_function;
+#[cfg(target_family = "wasm")]
+#[path = "no_phase_function.rs"]
 mod phase_function;
 #[cfg(not(target_family = "wasm"))]
 mod skin;
@@ -33,6 +37,7 @@ pub use layers::load_layers;
 pub use layers::{LAYERS, stated_layers};
 #[cfg(not(target_family = "wasm"))]
 pub use oracle::ORACLE;
+#[cfg(not(target_family = "wasm"))]
 pub use phase_function::{is_phase_file, read_phase_file};
 #[cfg(not(target_family = "wasm"))]
 pub use skin::SKIN;

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use csv::{ReaderBuilder, Trim};
+use translucid_reference::layers::Layer;
 use translucid_reference::walk::{PhaseFunction, PhaseTable};
 use translucid_words::{Content, Context, Error, Item, Parse, Place, exact};
 
@@ -16,6 +17,13 @@ const COLUMNS: &str = "the columns are cosine or degrees, and phase_function, se
 /// A phase function as somebody gave it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GivenPhaseFunction(pub(crate) PhaseFunction);
+
+impl GivenPhaseFunction {
+    /// The layer with this phase function.
+    pub(crate) fn of(&self, layer: Layer) -> Layer {
+        layer.with_phase_function(self.0.clone())
+    }
+}
 
 impl Parse for GivenPhaseFunction {
     const FORM: &'static str =
