@@ -233,7 +233,7 @@ impl Asked {
         self.matches.get_one::<String>("format").map_or("csv", String::as_str)
     }
 
-    /// What the user says, as values.
+    /// Options as values.
     fn entries(&self) -> Vec<Entry> {
         let entry = |key: &Described| {
             if key.kind == Kind::Flag {

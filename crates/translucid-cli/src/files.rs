@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use translucid_files::write_atomically;
 use translucid_image::OutputError;
-use translucid_scene::{Place, SceneError};
 
 use crate::failure::Failure;
 use crate::output_lock::OutputLock;
@@ -83,27 +82,6 @@ fn place(path: &Path) -> Option<PathBuf> {
         Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
     };
     fs::canonicalize(path).ok().or_else(of_a_new_file)
-}
-
-/// Reads all of a file of at most so many bytes; what it says of its size counts for nothing, as pipes and devices say none.
-///
-/// # Errors
-/// A sentence without the path.
-pub(crate) fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
-    match read {
-        Ok(count) if count as u64 > most => Err(format!("has more than {most} bytes, which are not read")),
-        Ok(_) => Ok(bytes),
-        Err(error) => Err(format!("cannot be read: {error}")),
-    }
-}
-
-/// The error of a CSV file that is none, at its line.
-pub(crate) fn broken_csv(path: &Path, error: &csv::Error) -> SceneError {
-    let line = error.position().map(|position| position.line() as usize);
-    let place = line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
-    SceneError::at(place, error.to_string())
 }
 
 /// Returns `true` if a file states at its start, where images keep their notes, that this program has made it.

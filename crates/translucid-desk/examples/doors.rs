@@ -18,7 +18,7 @@ use translucid_words::{Described, Kind, Spelling};
 
 /// Questions that Python has under another name and signature, written by hand.
 const OWN_IN_PYTHON: [&str; 2] = ["layers", "convert"];
-/// Those that JavaScript has so.
+/// Questions that JavaScript has under a signature written by hand.
 const OWN_IN_JAVASCRIPT: [&str; 1] = ["convert"];
 
 /// Pages of the guide with tables of options, or of the keys of a table among them by its path.
@@ -30,7 +30,7 @@ const PAGES: [&str; 5] = [
     "docs/guide/conventions.md",
 ];
 
-/// What begins a table, before its path.
+/// The start of a table, before its path.
 const MARKER: &str = "<!-- options: ";
 
 fn main() -> ExitCode {

@@ -78,7 +78,7 @@ impl From<Error> for Unanswered {
 pub struct Question<T: 'static> {
     /// All that a user may say.
     pub thing: Thing<T, Questions>,
-    /// What doors show of it beside that.
+    /// Texts, columns and formats that doors show.
     pub about: About,
     /// The form of the answer.
     pub form: fn(&T) -> Form,
@@ -86,7 +86,7 @@ pub struct Question<T: 'static> {
     pub answer: fn(&T, &Context, &Control<'_>) -> Result<Answer, Unanswered>,
 }
 
-/// What doors show of a question beside what a user may say.
+/// Texts, columns and formats of a question, which doors show beside all that a user may say.
 pub struct About {
     /// More about it in paragraphs, for help and guides.
     pub more: &'static str,
@@ -112,7 +112,7 @@ pub trait Ask: Sync {
     fn doc(&self) -> &'static str;
     /// All that a user may say.
     fn keys(&self) -> Vec<Described>;
-    /// What doors show of it beside that.
+    /// Texts, columns and formats that doors show.
     fn about(&self) -> &About;
     /// Reads what a user says.
     ///

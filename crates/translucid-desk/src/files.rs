@@ -10,7 +10,7 @@ use translucid_words::{Error, Place};
 ///
 /// # Errors
 /// A sentence without the path.
-pub(crate) fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
     match read {
@@ -21,7 +21,7 @@ pub(crate) fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
 }
 
 /// The error of a CSV file that is none, at its line.
-pub(crate) fn broken_csv(path: &Path, error: &csv::Error) -> Error {
+pub fn broken_csv(path: &Path, error: &csv::Error) -> Error {
     let line = error.position().map(|position| position.line() as usize);
     let place = line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
     Error::at(place, error.to_string())

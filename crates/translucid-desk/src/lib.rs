@@ -30,6 +30,7 @@ pub mod wrong;
 
 pub use answer::{About, Answer, Ask, Control, Form, NamedFile, Prepared, Question, Unanswered};
 pub use convert::CONVERT;
+pub use files::{broken_csv, read_at_most};
 #[cfg(not(target_family = "wasm"))]
 pub use judge::JUDGE;
 #[cfg(not(target_family = "wasm"))]

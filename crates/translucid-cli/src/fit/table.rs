@@ -1,6 +1,7 @@
 //! Fits to a table of a user's own.
 
 use std::path::Path;
+use translucid_desk::{broken_csv, read_at_most};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use translucid_fit::{Errors, Estimate, Family, Sample, SampleFit, SampleFits};
@@ -11,7 +12,7 @@ use translucid_scene::{Place, SceneError};
 use super::FitArguments;
 use super::half_space::{self, HalfSpaceFit};
 use crate::failure::Failure;
-use crate::files::{broken_csv, read_at_most};
+
 use crate::table::exact;
 
 /// Greatest file, in bytes: a profile has some hundred radii.
