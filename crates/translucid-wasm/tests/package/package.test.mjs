@@ -16,7 +16,7 @@ const { HalfSpace, Profile, TranslucidError, convert, cyclesMaterial, exportText
 const COMMAND = process.env.TRANSLUCID ?? "translucid";
 const PLACE = new URL(import.meta.resolve("translucid/translucid.wasm"));
 /** Most bytes of the module that travel. */
-const MOST_BYTES = 600_000;
+const MOST_BYTES = 800_000;
 
 const run = (...words) => execFileSync(COMMAND, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
