@@ -161,6 +161,7 @@ def test_cycles_materials_are_what_cycles_means():
 def test_random_walk_is_that_of_the_version():
     words = {"base_color": [0.8, 0.5, 0.2], "radius": [4, 2, 1], "scale": 0.5, "anisotropy": 0.5}
     walk = translucid.cycles_material("RANDOM_WALK", **words)
+    assert isinstance(walk["subsurface_flights"], int)
     assert walk == translucid.cycles_material("RANDOM_WALK", **words, version=(5, 2, 3))
     # Since 5.2 the radius is the mean free path, and the anisotropy changes the color alone
     assert np.isclose(walk["subsurface_radius"], 2.0)

@@ -60,7 +60,11 @@ pub(crate) fn _cycles_material<'py>(
     let material = CyclesMaterial::new(method, &version, ior, anisotropy, alpha).map_err(wrong)?;
     let (names, numbers) = material.keys();
     let keys = names.into_py_dict(py)?;
-    numbers.into_iter().try_for_each(|(key, number)| keys.set_item(key, number))?;
+    for (key, number) in numbers {
+        // A count
+        let is_whole = key == "subsurface_flights";
+        if is_whole { keys.set_item(key, number as u32)? } else { keys.set_item(key, number)? }
+    }
     let colors = Numbers::extract("base_color", colors)?;
     let numbers = colors.broadcast(colors.shape());
     let (albedos, mfps) = py.detach(|| material.media(&numbers)).map_err(wrong)?;
