@@ -23,8 +23,8 @@ def test_answers_are_those_of_the_command(command, tmp_path):
     light = 0.5001 + 0.5 * np.sign(distance) * (1 - np.exp(-np.abs(distance)))
     picture = tmp_path / "edge.exr"
     translucid.write_exr(picture, np.tile(light[:, None], (20, 1, 3)).astype(np.float32))
-    words = "--setup edge --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 1,0.5,0.3 --format csv".split()
-    judged = translucid.judge(picture, **PLANE, mfp=[1, 0.5, 0.3])
+    words = "--setup edge --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 1,0.8,0.6 --format csv".split()
+    judged = translucid.judge(picture, **PLANE, mfp=[1, 0.8, 0.6])
     assert rows(judged) == command("judge", picture, *words)
     assert judged.text.startswith("red: ") and judged.files["judgement.svg"].startswith(b"<svg")
 

@@ -181,6 +181,7 @@ fn plain(name: &str, value: &Any<'_>) -> PyResult<Value> {
     }
     match Numbers::extract(name, value)? {
         Numbers::One(number) => Ok(number.into()),
+        numbers if numbers.shape().len() == 1 => Ok(Value::list(&numbers.broadcast(numbers.shape()))),
         numbers => Ok(Content::Numbers(numbers.broadcast(numbers.shape()).into()).into()),
     }
 }
