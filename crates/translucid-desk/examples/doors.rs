@@ -113,9 +113,12 @@ fn keys_at(path: &str) -> Result<String, String> {
 fn markdown(keys: &[Described], are_options: bool) -> String {
     let head = if are_options { "option" } else { "key" };
     let mut text = format!("\n| {head} | meaning | default |\n|---|---|---|\n");
-    for key in keys {
+    for (i, key) in keys.iter().enumerate() {
         let name = match key.kind {
-            Kind::Document(_) => String::from("FILE"),
+            // The file that a question is about is no option
+            Kind::Document(_) | Kind::Path if are_options && i == 0 && key.is_required => {
+                String::from("FILE")
+            }
             _ if are_options => Spelling::Flags.of(key.name),
             _ => key.name.to_owned(),
         };
