@@ -17,8 +17,9 @@ fn text(value: &Value) -> Option<String> {
 }
 
 /// The words of the command, where each value can be the text of an option: tables become files, right ones only.
-fn words(wrong: &Wrong, directory: &std::path::Path) -> Option<Vec<String>> {
+fn words(wrong: &Wrong, directory: &std::path::Path, is_file: &dyn Fn(&str) -> bool) -> Option<Vec<String>> {
     let word = |entry: &Entry| match &entry.value.content {
+        Content::Text(path) if is_file(&entry.key) => Some(path.clone()),
         Content::Table(keys) if entry.key != wrong.key => {
             let lines: Vec<String> = keys.iter().map(|key| format!("{key}\n")).collect();
             let file = format!("{}.toml", entry.key);
@@ -43,7 +44,7 @@ fn wrong_questions_are_refused_by_their_options() {
                 && matches!(keys[0].kind, Kind::Document(_) | Kind::Path)
         };
         for wrong in wrong(question).into_iter().filter(|wrong| wrong.is_outermost && !is_file(wrong.key)) {
-            let Some(words) = words(&wrong, directory.path()) else { continue };
+            let Some(words) = words(&wrong, directory.path(), &is_file) else { continue };
             let output = translucid(directory.path()).arg(question.name()).args(&words).output().unwrap();
             let (message, option) = (stderr(&output), Spelling::Flags.of(wrong.key));
             assert_eq!(output.status.code(), Some(2), "{} {words:?}: {message}", question.name());
