@@ -110,7 +110,7 @@ fn named<'py>(py: Python<'py>, class: &str, fields: Vec<Any<'py>>) -> PyResult<A
 /// threads : int, optional
 ///     Number of threads; by default one per processor.
 /// progress : callable, bool or "tqdm", optional
-///     Called now and then with the parts done and the parts in all, a thousand for each stack, and an exception ends the
+///     Called now and then with the parts done and the parts in all, and an exception ends the
 ///     call; True for a bar.
 ///
 /// Returns
@@ -197,7 +197,7 @@ pub(crate) fn layers<'py>(
 /// threads : int, optional
 ///     Number of threads; by default one per processor.
 /// progress : callable, bool or "tqdm", optional
-///     Called now and then with the parts done and the parts in all, a thousand for each stack, and an exception ends the
+///     Called now and then with the parts done and the parts in all, and an exception ends the
 ///     call; True for a bar.
 ///
 /// Returns
