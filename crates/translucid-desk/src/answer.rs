@@ -192,7 +192,7 @@ impl<T: Clone + Send + Sync> Ask for Question<T> {
     }
 }
 
-/// What reading of a question begins with; in WebAssembly there are no files.
+/// Context that reading a question begins with; in WebAssembly there are no files.
 #[cfg(target_family = "wasm")]
 pub(crate) fn context() -> Context {
     let mut context = Context::default();
@@ -200,7 +200,7 @@ pub(crate) fn context() -> Context {
     context
 }
 
-/// What reading of a question begins with.
+/// Context that reading a question begins with.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn context() -> Context {
     Context::new(translucid_load::load_toml, vary)

@@ -18,7 +18,7 @@ use crate::reference::{pool, report, with_progress};
 /// Steps in which progress is told.
 const STEPS: u64 = 1000;
 
-/// What a caller says, with arrays wherever numbers may vary.
+/// Arguments of a caller, with arrays wherever numbers may vary.
 pub(crate) struct Said<'py> {
     entries: Vec<Entry>,
     /// Arrays by their places among the values.

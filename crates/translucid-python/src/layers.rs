@@ -20,7 +20,7 @@ use crate::{long_work, names};
 
 const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64.next_down());
 
-/// What is above and below layers.
+/// Media or a ground above and below layers.
 struct Ends<'a, 'py> {
     eta_above: Option<&'a Any<'py>>,
     eta_below: Option<&'a Any<'py>>,

@@ -20,7 +20,7 @@ enum Handle {
     Freed,
 }
 
-/// What both read and write, and the things that live here.
+/// Memory that both sides read and write, and the things that live here.
 #[derive(Default)]
 struct Shared {
     text: Vec<u8>,

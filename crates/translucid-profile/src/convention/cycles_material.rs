@@ -139,7 +139,7 @@ impl CyclesMaterial {
     /// color does not change it.
     ///
     /// Albedos of walks are those of the medium, without an end of the walks.
-    /// What takes a bisection is interpolated between 4096 colors where there are more.
+    /// Albedos that take a bisection are interpolated between 4096 colors where there are more.
     ///
     /// # Errors
     /// A color is not finite or negative.
