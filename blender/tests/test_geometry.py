@@ -165,6 +165,18 @@ def test_color_attributes_of_points_and_corners():
         assert np.abs(picture[4:-4, :, 0] - (1 - across))[:, 2:-2].max() < 0.03
 
 
+def test_color_attributes_of_faces():
+    new_scene(16, 16, 16)
+    nodes = Nodes()
+    attribute = nodes.add("Attribute")
+    attribute.attribute_name = "tint"
+    plane = add_plane(1.0, material=nodes.surface(nodes.add("Emission", Color=attribute.outputs[0])))
+    plane.data.attributes.new("tint", "FLOAT_COLOR", "FACE").data[0].color = (0.8, 0.2, 0.1, 1)
+    view_from_above()
+    assert np.allclose(combined()[4:-4, 4:-4, :3], (0.8, 0.2, 0.1), atol=0.01)
+    assert not any("color attribute" in message for message in messages())
+
+
 def normals_of(layers):
     return next(value for name, value in layers.items() if name.endswith("Normal"))
 

@@ -447,3 +447,38 @@ def test_normal_maps_turn_normals():
     expected = 0.5 / np.pi * np.cos(np.radians(36.87 - 20))
     assert ours == pytest.approx(expected, rel=0.01)
     assert theirs == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("extension", ("exr", "png"))
+@pytest.mark.parametrize("use", ("color", "cut-out", "data", "world"))
+def test_alpha_of_pictures_is_associated_as_in_cycles(tmp_path, extension, use):
+    path = str(tmp_path / f"half.{extension}")
+    image = bpy.data.images.new("half", 4, 4, alpha=True, float_buffer=extension == "exr")
+    space = "Linear Rec.709" if extension == "exr" else "sRGB"
+    image.colorspace_settings.name = space
+    image.pixels.foreach_set(np.tile(np.array([0.2, 0.1, 0.05, 0.5], dtype=np.float32), 16))
+    image.file_format, image.filepath_raw = {"exr": "OPEN_EXR", "png": "PNG"}[extension], path
+    image.save()
+    new_scene(16, 16, 64)
+    add_camera((0, 0, 10), (0, 0, 0))
+    set_world((1, 1, 1))
+    nodes = Nodes()
+    texture = nodes.add("TexEnvironment" if use == "world" else "TexImage")
+    texture.image = bpy.data.images.load(path)
+    texture.image.colorspace_settings.name = "Non-Color" if use == "data" else space
+    if use == "world":
+        world = bpy.context.scene.world
+        world.use_nodes = True
+        tree = world.node_tree
+        background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+        sky = tree.nodes.new("ShaderNodeTexEnvironment")
+        sky.image = texture.image
+        tree.links.new(sky.outputs[0], background.inputs["Color"])
+        add_plane(5, 0, of("BsdfDiffuse", Color=(0.8, 0.8, 0.8)))
+    elif use == "cut-out":
+        principled = nodes.add("BsdfPrincipled", Base_Color=texture.outputs[0], Alpha=texture.outputs[1], Specular_IOR_Level=0.0)
+        add_plane(5, 0, nodes.surface(principled))
+    else:
+        add_plane(5, 0, nodes.surface(nodes.add("BsdfDiffuse", Color=texture.outputs[0])))
+    ours, cycles = (picture[4:12, 4:12, :3].mean(axis=(0, 1)) for picture in (combined(), render_cycles(64)))
+    assert np.allclose(ours, cycles, rtol=0.03, atol=0.003), (ours, cycles)

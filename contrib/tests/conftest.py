@@ -1,5 +1,6 @@
 """What the tests of the queues share: the command, a picture of one run, and pictures compared bit for bit."""
 
+import json
 import os
 import pathlib
 import subprocess
@@ -51,6 +52,13 @@ def translucid(*words):
 def one_run(scene, output, samples, *options):
     translucid("render", scene, *SIZE, "-q", "--spp", samples, *options, "-o", output)
     return output
+
+
+def make_plan(scene, directory, shards, samples, *options):
+    words = [PROGRAM, "plan", scene, "--shards", shards, "-o", "out.exr", "--", "--spp", samples, *SIZE, *options]
+    text = subprocess.run([*map(str, words)], check=True, capture_output=True, text=True, cwd=directory).stdout
+    (directory / "plan.json").write_text(text)
+    return json.loads(text)
 
 
 def channels(path):

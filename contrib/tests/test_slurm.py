@@ -1,7 +1,6 @@
 """The scripts for Slurm on a cluster of this machine alone: slurmctld, slurmd and munged in a temporary directory."""
 
 import getpass
-import json
 import os
 import pathlib
 import re
@@ -11,7 +10,7 @@ import subprocess
 import tempfile
 
 import pytest
-from conftest import CONTRIB, LONG, PROGRAM, SAMPLES, SIZE, assert_same_picture, one_run, wait_for
+from conftest import CONTRIB, LONG, PROGRAM, SAMPLES, assert_same_picture, make_plan, one_run, wait_for
 
 CONFIGURATION = """
 ClusterName=test
@@ -109,13 +108,6 @@ def slurm(environment, *words, check=True):
     return subprocess.run(words, env=environment, check=check, capture_output=True, text=True).stdout
 
 
-def make_plan(scene, directory, shards, samples, *options):
-    words = [PROGRAM, "plan", scene, "--shards", shards, "-o", "out.exr", "--", "--spp", samples, *SIZE, *options]
-    text = subprocess.run([*map(str, words)], check=True, capture_output=True, text=True, cwd=directory).stdout
-    (directory / "plan.json").write_text(text)
-    return json.loads(text)
-
-
 def submit(environment, directory, program=PROGRAM):
     """Numbers of the array job and of the merge."""
     words = [CONTRIB / "slurm/submit", "plan.json", "--time=10"]
@@ -133,7 +125,7 @@ def state(environment, job):
 
 def wait_for_end(environment, job):
     ends = {"COMPLETED", "FAILED", "CANCELLED", "TIMEOUT"}
-    return wait_for(lambda: (found := state(environment, job)) in ends and found, 90)
+    return wait_for(lambda: (found := state(environment, job)) in ends and found, 600)
 
 
 def logs(directory):

@@ -239,7 +239,9 @@ def test_plot_says_what_is_missing(monkeypatch):
 
 def test_repr_says_what_it_is():
     text = repr(Profile("dipole", surface_albedo=[0.1, 0.2], mfp=1.0))
-    assert "dipole" in text and "[2]" in text
+    assert text == '<Profile("dipole", surface_albedo=0.1…0.2, mfp=1, configuration="diffuse") of shape [2]>'
+    text = repr(Profile.from_medium(sigma_a=0.01, sigma_s=2.5, model="dipole"))
+    assert "sigma_a=0.01, sigma_s=2.5" in text
 
 
 METHODS = ["eval", "pdf", "pdf_area", "cdf", "enclosed", "beyond", "quantile", "sample"]

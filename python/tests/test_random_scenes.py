@@ -33,7 +33,7 @@ LIGHT = st.one_of(AT_LEAST_0, st.lists(AT_LEAST_0, min_size=3, max_size=3))
 
 MATERIAL = {
     **dict.fromkeys(["base_weight", "coat_weight"], UNIT),
-    **dict.fromkeys(["base_color", "specular_color", "subsurface_color", "coat_color", "transmission_color"], COLOR),
+    **dict.fromkeys(["base_color", "specular_color", "subsurface_color", "coat_color", "transmission_color", "transmission_tint"], COLOR),
     **dict.fromkeys(["base_metalness", "specular_weight", "specular_roughness", "geometry_opacity"], st.one_of(UNIT, IMAGE)),
     **dict.fromkeys(["transmission_weight", "coat_roughness", "subsurface_weight"], UNIT),
     **dict.fromkeys(["subsurface_radius", "subsurface_radius_scale", "transmission_depth", "emission_luminance"], AT_LEAST_0),

@@ -277,6 +277,7 @@ class _MaterialKeys(TypedDict, total=False):
     transmission_weight: _Scalar | dict[str, Any] | None
     transmission_color: _Color | dict[str, Any] | None
     transmission_depth: float | None
+    transmission_tint: _Color | dict[str, Any] | None
     subsurface_weight: _Scalar | dict[str, Any] | None
     subsurface_color: _Color | dict[str, Any] | None
     subsurface_radius: _Scalar | dict[str, Any] | None

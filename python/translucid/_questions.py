@@ -289,9 +289,11 @@ def judge(
     and the light across an edge is known to 0.001 (one standard error). A channel is right if its RMS difference is
     at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all its light within 2 %, which
     takes white. If it is not, the light that known mistakes draw is compared with it. The one that explains the
-    picture gives the verdict: profile, gather, or picture (a wrong size). unknown means that none does. The diffuse
-    mean free path is the exact one of this surface albedo and configuration. export takes it for the searchlight's
-    unless stated, and convert goes by Burley's fit: a note prints all three in mean free paths.
+    picture gives the verdict: profile, gather, or picture (a wrong size, or codes of sRGB in place of light). unknown
+    means that none does, or that noise hides which. Pixels are averaged along the edge or line, or around the disk,
+    and their scatter tells the noise, which counts neither for nor against the pass. The diffuse mean free path is
+    the exact one of this surface albedo and configuration. export takes it for the searchlight's unless stated, and
+    convert goes by Burley's fit: a note prints all three in mean free paths.
 
     Parameters
     ----------
@@ -334,6 +336,7 @@ def judge(
         - ``light_error``: all light over what there is less 1; empty without white
         - ``rms_error``: RMS difference, as a part of the light on a large lit shape
         - ``largest_error``: greatest difference
+        - ``noise``: RMS difference that the picture's noise makes of it
         - ``width_25`` [L]: distance at which light falls to 25 %
         - ``exact_width_25`` [L]: the same of the exact light
         - ``width_10`` [L]: distance at which light falls to 10 %

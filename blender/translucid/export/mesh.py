@@ -244,8 +244,18 @@ def _colors(mesh, name):
     """Colors, and whether they are those of corners rather than of vertices; None where the mesh has none."""
     attributes = mesh.color_attributes
     attribute = attributes.get(name) if name else attributes.active_color
-    if attribute is None or attribute.domain not in {"POINT", "CORNER"}:
+    if attribute is None and name:
+        # Blender's list of colors has those of vertices and corners only
+        of_faces = mesh.attributes.get(name)
+        is_color = of_faces is not None and of_faces.domain == "FACE" and of_faces.data_type in {"FLOAT_COLOR", "BYTE_COLOR"}
+        attribute = of_faces if is_color else None
+    if attribute is None or attribute.domain not in {"POINT", "CORNER", "FACE"}:
         return None, False
     # What Blender keeps as codes it hands out linear.
     values = _vectors(attribute.data, len(attribute.data), "color", width=4)
-    return np.ascontiguousarray(values[:, :3]), attribute.domain == "CORNER"
+    values = np.ascontiguousarray(values[:, :3])
+    if attribute.domain == "FACE":
+        corners = np.empty(len(mesh.polygons), dtype=np.int32)
+        mesh.polygons.foreach_get("loop_total", corners)
+        values = np.repeat(values, corners, axis=0)
+    return values, attribute.domain != "POINT"

@@ -208,12 +208,27 @@ def _image_texture(evaluator, output):
         alpha = alpha.astype(np.float32) / 255
     if output.socket.identifier == "Alpha":
         return Value(alpha, placement)
-    color = Value(np.ascontiguousarray(pixels[..., :3]), placement)
-    is_opaque = node.image.alpha_mode in {"NONE", "CHANNEL_PACKED"} or float(alpha.min()) == 1
-    if is_opaque or node.type == "TEX_ENVIRONMENT" or node.outputs["Alpha"].is_linked:
+    return Value(_color_as_in_cycles(node, pixels, alpha), placement)
+
+
+def _color_as_in_cycles(node, pixels, alpha):
+    """An image's color, associated with its alpha as Cycles has it.
+
+    Cycles keeps colors associated with alpha, codes of sRGB before they are decoded, and undoes it where an image texture's
+    alpha is used, too (`util/image.cpp`, `svm_image_texture`). Data, and channels without a common meaning, stay as they are.
+    """
+    color = np.ascontiguousarray(pixels[..., :3])
+    mode = node.image.alpha_mode
+    if mode in {"NONE", "CHANNEL_PACKED"} or node.image.colorspace_settings.is_data or float(alpha.min()) == 1:
         return color
-    # Cycles associates alpha with the color unless alpha is used, too.
-    return Value(color.linear * alpha, placement)
+    is_undone = node.type == "TEX_IMAGE" and node.outputs["Alpha"].is_linked
+    is_associated = mode == "PREMUL" and color.dtype != np.uint8
+    if is_undone != is_associated:
+        return color
+    factor = np.divide(1, alpha, out=np.ones_like(alpha), where=alpha > 0) if is_undone else alpha
+    if color.dtype == np.uint8:
+        return np.minimum(color * factor, 255).astype(np.uint8)
+    return color * factor
 
 
 def _vertex_color(evaluator, output):

@@ -10,8 +10,6 @@ use translucid_reference::Incidence;
 use crate::ffi_guard::Caller;
 use crate::status::Failure;
 
-const CONFIGURATIONS: [&str; 2] = ["searchlight", "diffuse"];
-
 /// Names that last as long as the program.
 pub(crate) type Names = OnceLock<Vec<CString>>;
 
@@ -30,11 +28,11 @@ pub(crate) fn model(caller: &Caller, name: *const c_char) -> Result<Model, Failu
 
 /// A configuration, if one is named.
 pub(crate) fn configuration(caller: &Caller, name: *const c_char) -> Result<Option<Configuration>, Failure> {
-    match caller.text_or("configuration", name, "")? {
-        "" if name.is_null() => Ok(None),
-        "searchlight" => Ok(Some(Configuration::Searchlight)),
-        "diffuse" => Ok(Some(Configuration::Diffuse)),
-        other => Err(Failure::unknown("configuration", other, &CONFIGURATIONS)),
+    let text = caller.text_or("configuration", name, "")?;
+    let known = Configuration::WORDS.map(|(word, _)| word);
+    match Configuration::from_name(text) {
+        None if !name.is_null() => Err(Failure::unknown("configuration", text, &known)),
+        found => Ok(found),
     }
 }
 

@@ -306,10 +306,7 @@ impl Described {
         Ok(Self {
             model: names::model(caller, model)?,
             appearance: Appearance { surface_albedo, length, parameterization, g },
-            configuration: configuration.unwrap_or(match parameterization {
-                Parameterization::Mfp => Configuration::Diffuse,
-                Parameterization::Dmfp => Configuration::Searchlight,
-            }),
+            configuration: configuration.unwrap_or(parameterization.usual_configuration()),
             eta: names::number_or(given.eta, 1.0),
         })
     }
@@ -317,11 +314,8 @@ impl Described {
     /// The profile of other looks in place of those that were given; an error calls the length as the header does.
     pub(crate) fn profile(&self, appearance: &Appearance) -> Result<Box<dyn Profile>, ParameterError> {
         self.model.profile(appearance, self.configuration, self.eta).map_err(|error| {
-            let length = match appearance.parameterization {
-                Parameterization::Mfp => "mfp",
-                Parameterization::Dmfp => "dmfp",
-            };
             let is_length = matches!(error.parameter, "length" | "transport_mfp");
+            let length = appearance.parameterization.name();
             ParameterError { parameter: if is_length { length } else { error.parameter }, ..error }
         })
     }

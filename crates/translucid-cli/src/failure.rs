@@ -23,6 +23,8 @@ pub(crate) enum FailureKind {
     Input,
     /// The input was right, but the work could not be done.
     Work,
+    /// Another process is writing the output.
+    Held,
     /// Ctrl-C or another signal to stop: what there is has been written.
     Interrupted,
 }
@@ -39,6 +41,11 @@ impl Failure {
     /// Work that could not be done.
     pub(crate) fn work(message: impl Into<String>) -> Self {
         Self { kind: FailureKind::Work, ..Self::input(message) }
+    }
+
+    /// An output that another process is writing.
+    pub(crate) fn held(message: impl Into<String>) -> Self {
+        Self { kind: FailureKind::Held, ..Self::input(message) }
     }
 
     /// Ctrl-C, and how to go on.
@@ -70,11 +77,13 @@ impl Failure {
         Self { help: Some(advice.into()), ..self }
     }
 
-    /// 2 where the input is wrong, 1 where the work could not be done; of an interruption the signal decides.
+    /// 2 where the input is wrong, 1 where the work could not be done, 75 (`EX_TEMPFAIL` of sysexits.h) where it can be done
+    /// later; of an interruption the signal decides.
     pub(crate) fn exit_code(&self) -> Option<u8> {
         match self.kind {
             FailureKind::Input => Some(2),
             FailureKind::Work => Some(1),
+            FailureKind::Held => Some(75),
             FailureKind::Interrupted => None,
         }
     }

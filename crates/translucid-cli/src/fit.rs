@@ -53,9 +53,9 @@ Examples:
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid fit --configuration diffuse --parameter mfp --family burley --max-radius 8 -o fit
   translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit
-  translucid fit --table measured.csv --terms 2
-  translucid fit --table measured.csv --family half-space --eta 1.4
-  translucid fit --table measured.csv --family half-space --eta 1.4 --gamma";
+  translucid fit --table examples/measured.csv --terms 2
+  translucid fit --table examples/measured.csv --family half-space --eta 1.4
+  translucid fit --table examples/measured.csv --family half-space --eta 1.4 --gamma";
 
 /// Fits simple profiles to the exact one, and prints their errors
 #[derive(Args, Debug)]

@@ -1,6 +1,8 @@
-//! Signals that ask the work to stop: Ctrl-C, SIGTERM of a queue or container, SIGHUP of a terminal that closes.
+//! Signals that ask the work to stop: Ctrl-C, SIGTERM of a queue or container, SIGHUP of a terminal that closes, and those
+//! by which queues warn of an end: SIGUSR1 and SIGUSR2 of gridengine, and SIGXCPU of a limit on CPU time.
 //!
-//! The first asks the work to stop, the second ends the process at once.
+//! The first asks the work to stop; a second Ctrl-C or SIGTERM ends the process at once. The others may come repeatedly:
+//! SIGXCPU does every second, and a closing terminal's shell and the system both send SIGHUP.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -19,10 +21,10 @@ static SIGNAL: AtomicU8 = AtomicU8::new(SIGINT);
 static WRITING: AtomicBool = AtomicBool::new(false);
 
 /// Numbers of signals, which POSIX fixes.
-const SIGHUP: u8 = 1;
 const SIGINT: u8 = 2;
+const SIGTERM: u8 = 15;
 
-/// Exit code of work that was stopped, as shells have it: 129 for SIGHUP, 130 for Ctrl-C, 143 for SIGTERM.
+/// Exit code of work that was stopped, as shells have it: 130 for Ctrl-C, 143 for SIGTERM.
 pub(crate) fn exit_code() -> u8 {
     128 + SIGNAL.load(Ordering::Relaxed)
 }
@@ -59,13 +61,13 @@ pub(crate) fn catch(message: &'static str) -> Result<(), Failure> {
         if again {
             return;
         }
-        SIGNAL.store(signal, Ordering::Relaxed);
-        if STOP.swap(true, Ordering::Relaxed) || WRITING.load(Ordering::Relaxed) {
-            // A closing terminal may say so more than once: its shell and the system both do
-            if signal != SIGHUP {
-                std::process::exit(exit_code().into());
-            }
+        let is_asked = WRITING.load(Ordering::Relaxed) || STOP.swap(true, Ordering::Relaxed);
+        if is_asked && ![SIGINT, SIGTERM].contains(&signal) {
             return;
+        }
+        SIGNAL.store(signal, Ordering::Relaxed);
+        if is_asked {
+            std::process::exit(exit_code().into());
         }
         let message = *words();
         messages::line(message.unwrap_or_default());
@@ -80,13 +82,13 @@ fn words() -> std::sync::MutexGuard<'static, Option<&'static str>> {
 /// Calls `hear` with the number of every signal that asks to stop, on a thread of its own.
 #[cfg(unix)]
 fn listen(mut hear: impl FnMut(u8) + Send + 'static) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 
     // A file that grows beyond `ulimit -f` is then an error of the write, and no end of the process
     let mut caught = vec![SIGINT, SIGTERM, SIGXFSZ];
-    if !is_ignored(SIGHUP) {
-        caught.push(SIGHUP);
-    }
+    // Where the system does not tell what `nohup` has it ignore, a terminal that closes still ends the process
+    caught.extend([SIGUSR1, SIGUSR2, SIGXCPU].into_iter().filter(|signal| is_ignored(*signal) != Some(true)));
+    caught.extend([SIGHUP].into_iter().filter(|signal| is_ignored(*signal) == Some(false)));
     let mut signals = signal_hook::iterator::Signals::new(caught)?;
     let hear = move || {
         for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
@@ -96,14 +98,13 @@ fn listen(mut hear: impl FnMut(u8) + Send + 'static) -> std::io::Result<()> {
     std::thread::Builder::new().name(String::from("signals")).spawn(hear).map(drop)
 }
 
-/// Whether the process was started with a signal ignored, as `nohup` does; where the system does not say, it is taken
-/// for ignored.
+/// Whether the process was started with a signal ignored, as `nohup` does, if the system tells.
 #[cfg(unix)]
-fn is_ignored(signal: std::ffi::c_int) -> bool {
+fn is_ignored(signal: std::ffi::c_int) -> Option<bool> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
+    mask.map(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 #[cfg(not(unix))]

@@ -1,8 +1,8 @@
 //! The `translucid` command: renders, profiles and samples translucent materials, and knows their ground truth.
 //!
 //! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
-//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 130, 143, 129 stopped by Ctrl-C, SIGTERM,
-//! SIGHUP, 1 anything else.
+//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 75 another process is writing the output,
+//! 128 + N stopped by signal N (130 Ctrl-C, 143 SIGTERM), 1 anything else.
 
 mod ask;
 mod command_line;
@@ -15,6 +15,10 @@ mod files;
 mod fit;
 mod interrupt;
 mod machine;
+#[cfg(test)]
+#[path = "../tests/it/markdown.rs"]
+#[allow(dead_code, reason = "unit tests read no links")]
+mod markdown;
 mod measure;
 mod merge;
 mod messages;
@@ -35,6 +39,7 @@ mod view;
 use std::ffi::OsString;
 use std::panic::AssertUnwindSafe;
 use std::path::Path;
+use std::time::Duration;
 
 use clap::builder::UnknownArgumentValueParser;
 use clap::error::{ContextKind, ContextValue};
@@ -58,6 +63,10 @@ struct Cli {
     /// Print more: the time of each step, the model of each material
     #[arg(short, long, global = true, display_order = 101)]
     verbose: bool,
+    /// Wait up to this long for an output that another process is writing
+    #[arg(long, value_name = "SECONDS", global = true, display_order = 102, hide_short_help = true,
+        value_parser = render::parse_seconds, allow_negative_numbers = true)]
+    wait: Option<Duration>,
 }
 
 #[derive(Subcommand)]
@@ -92,7 +101,7 @@ Examples:
   translucid view bust.glb --preset marble
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
-  translucid stack tooth.toml -o tooth.svg
+  translucid stack examples/stack/enamel.toml -o enamel.svg
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
@@ -103,7 +112,8 @@ Examples:
   translucid skin --tone III
   translucid help render
 
-Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 1 anything else.";
+Exit codes: 0 done, 2 the input is wrong, 75 another process is writing the output (see --wait),
+128 + N stopped by signal N (130 Ctrl-C, 143 SIGTERM, 129 SIGHUP), 1 anything else.";
 
 /// Runs the command of these words, the program's own first, and returns its exit code.
 ///
@@ -120,8 +130,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
         words.extend(FIRST_PICTURE.map(OsString::from));
         words.extend(options);
     }
-    let matches = with_foreign_options(Cli::command()).try_get_matches_from(&words);
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+    let cli = match parse(&words) {
         Ok(cli) => cli,
         Err(mut answer) => {
             suggest_render(&mut answer);
@@ -136,6 +145,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     };
     command_line::set(words);
     interrupt::forget();
+    output_lock::set_patience(cli.wait.unwrap_or_default());
     messages::set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,
         (_, true) => Verbosity::Verbose,
@@ -232,6 +242,12 @@ fn with_hints(command: Command) -> Command {
     command.mut_subcommand("render", |render| render.args(FOREIGN_OPTIONS.map(option)))
 }
 
+/// The command line of these words, the program's own first.
+fn parse(words: &[OsString]) -> clap::error::Result<Cli> {
+    let matches = with_foreign_options(Cli::command()).try_get_matches_from(words)?;
+    Cli::from_arg_matches(&matches)
+}
+
 /// The arguments of `translucid render` with these words after it.
 fn parse_render(words: &mut dyn Iterator<Item = OsString>) -> clap::error::Result<render::Arguments> {
     let words = ["translucid", "render"].map(OsString::from).into_iter().chain(words);
@@ -258,5 +274,50 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Devices => devices::run(),
         Verb::Asked(asked) => asked.run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::markdown::{Page, pages_below, root};
+
+    /// Commands in the blocks of shell lines of a page.
+    fn commands(page: &Page) -> Vec<String> {
+        let shell = page.code().into_iter().filter(|block| block.language == "sh");
+        let lines = shell.flat_map(|block| {
+            let text = block.lines.join("\n").replace("\\\n", " ");
+            text.lines().map(str::to_owned).collect::<Vec<_>>()
+        });
+        let command = |line: String| line.split(" # ").next().unwrap_or_default().to_owned();
+        lines.filter(|line| line.starts_with("translucid ")).map(command).collect()
+    }
+
+    #[test]
+    fn commands_of_all_pages_and_helps_have_these_options() {
+        let mut all = commands(&Page::read(&root().join("README.md")));
+        all.extend(pages_below(&root().join("docs")).iter().flat_map(commands));
+        for verb in Cli::command().get_subcommands() {
+            let help = verb.get_after_help().map(ToString::to_string).unwrap_or_default();
+            all.extend(
+                help.lines().map(str::trim).filter(|line| line.starts_with("translucid ")).map(str::to_owned),
+            );
+        }
+        assert!(all.len() > 200, "{}", all.len());
+        let is_wrong = |line: &String| {
+            let command = line.split([';', '|', '>']).next().unwrap_or_default();
+            let words: Vec<OsString> =
+                command.split_whitespace().map(|word| word.replace('\'', "").into()).collect();
+            let error = parse(&words).err()?;
+            let is_answer = matches!(
+                error.kind(),
+                clap::error::ErrorKind::DisplayHelp | clap::error::ErrorKind::DisplayVersion
+            );
+            (!is_answer).then(|| format!("{line}: {error}"))
+        };
+        // A guide adds a model of this name
+        let wrong: Vec<String> =
+            all.iter().filter(|line| !line.contains("my-model")).filter_map(is_wrong).collect();
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     }
 }

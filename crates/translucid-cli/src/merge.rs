@@ -45,7 +45,7 @@ pub(crate) struct MergeArguments {
     /// Every pixel is then the mean of the samples that it has.
     #[arg(long)]
     allow_gaps: bool,
-    /// Denoise the picture with Open Image Denoise, if installed
+    /// Denoise the picture with Open Image Denoise (pip install pyoidn)
     #[arg(long)]
     denoise: bool,
     #[command(flatten, next_help_heading = "Picture")]

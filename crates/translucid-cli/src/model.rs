@@ -242,11 +242,7 @@ impl ModelArguments {
     }
 
     fn configuration(&self, model: Model, parameterization: Parameterization) -> Configuration {
-        let by_default = match parameterization {
-            Parameterization::Mfp => Configuration::Diffuse,
-            Parameterization::Dmfp => Configuration::Searchlight,
-        };
-        let Some(name) = self.configuration else { return by_default };
+        let Some(name) = self.configuration else { return parameterization.usual_configuration() };
         let configuration = Configuration::from(name);
         if configuration == Configuration::Diffuse && !model.knows_configuration() {
             messages::print_note(&format!(

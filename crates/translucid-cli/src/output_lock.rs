@@ -3,13 +3,26 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
-use crate::command_line;
 use crate::failure::Failure;
+use crate::{command_line, interrupt, messages};
 
 /// Numbers the locks of this process: each file has a content of its own.
 static NUMBER: AtomicU32 = AtomicU32::new(0);
+
+/// Milliseconds that another process may go on writing an output before the command gives up.
+static PATIENCE: AtomicU64 = AtomicU64::new(0);
+
+/// Time between two attempts to take an output that another process has.
+const BETWEEN_ATTEMPTS: Duration = Duration::from_millis(50);
+
+/// From now on outputs of other processes are waited for this long.
+pub(crate) fn set_patience(patience: Duration) {
+    PATIENCE.store(u64::try_from(patience.as_millis()).unwrap_or(u64::MAX), Ordering::Relaxed);
+}
 
 /// A locked file at an output, gone when dropped. The lock ends with the process, however that ends; a file that a
 /// killed process leaves behind is taken over by the next one for the same output.
@@ -21,20 +34,36 @@ pub(crate) struct OutputLock {
 }
 
 impl OutputLock {
-    /// Takes an output, whose directory is there.
+    /// Takes an output, whose directory is there, and waits for it as long as was asked for.
     ///
     /// # Errors
-    /// Another process has it; the message says which.
+    /// Another process has it; the message says which. Or the wait was interrupted.
     pub(crate) fn take(output: &Path) -> Result<Self, Failure> {
         let path = lock_file(output);
         let unlocked = Self { path: path.clone(), file: None };
+        let patience = Duration::from_millis(PATIENCE.load(Ordering::Relaxed));
+        let (start, mut is_told) = (Instant::now(), false);
         loop {
             let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             // A directory that admits no new file has been found out before
             let Ok(mut file) = open else { return Ok(unlocked) };
             match file.try_lock() {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(held(output, &path)),
+                Err(TryLockError::WouldBlock) => {
+                    let message = format!("{} is being written by {}", output.display(), holder(&path));
+                    if start.elapsed() >= patience {
+                        let help = "wait for it with --wait SECONDS, or write elsewhere with -o";
+                        return Err(Failure::held(message).with_help(help));
+                    }
+                    if interrupt::STOP.load(Ordering::Relaxed) {
+                        return Err(Failure::interrupted(message));
+                    }
+                    if !std::mem::replace(&mut is_told, true) {
+                        messages::line(&format!("waiting: {message}"));
+                    }
+                    thread::sleep(BETWEEN_ATTEMPTS);
+                    continue;
+                }
                 Err(TryLockError::Error(_)) => return Ok(unlocked),
             }
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
@@ -75,11 +104,10 @@ fn lock_file(output: &Path) -> PathBuf {
     output.with_file_name(name)
 }
 
-fn held(output: &Path, lock: &Path) -> Failure {
+/// Who has written a lock's file.
+fn holder(lock: &Path) -> String {
     let found = fs::read_to_string(lock).unwrap_or_default();
-    let holder = found.lines().next().unwrap_or("another process");
-    let message = format!("{} is being written by {holder}", output.display());
-    Failure::work(message).with_help("wait for it, or write elsewhere with -o")
+    found.lines().next().unwrap_or("another process").to_owned()
 }
 
 #[cfg(test)]
@@ -107,7 +135,7 @@ mod tests {
         let output = directory.path().join("a.png");
         let holders = AtomicU32::new(0);
         let taken = AtomicU32::new(0);
-        std::thread::scope(|scope| {
+        thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {
                     for _ in 0..500 {

@@ -20,7 +20,7 @@ Examples:
   translucid profile --model photon-beam-diffusion --surface-albedo 0.8 --mfp 1 --g 0.5 --eta 1.4 --at 1
   translucid profile --model better-dipole --sigma-a 0.0021 --sigma-s 2.19 --at 0.1,1,10
   translucid profile --model gaussians --terms 2 --surface-albedo 0.8 --mfp 1 --at 0.1,1,10
-  translucid profile --table measured.csv --surface-albedo 0.8 --mfp 2 --at 0.1,1,10";
+  translucid profile --table examples/measured.csv --surface-albedo 0.8 --mfp 2 --at 0.1,1,10";
 
 /// Prints a reflectance profile as a table
 #[derive(Args, Debug)]

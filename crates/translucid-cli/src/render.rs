@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use translucid_image::{Denoiser, PixelRect};
-use translucid_load::{LoadOptions, LoadProgress, LoadWatch, load_scene, still_life};
+use translucid_load::{LoadOptions, LoadProgress, LoadWatch, Orientation, load_oriented, still_life};
 use translucid_render::Session;
 use translucid_scene::{Light, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning};
 
@@ -32,7 +32,7 @@ use crate::interrupt::STOP;
 use crate::model::{ModelName, UnitName};
 use crate::progress::{Meter, Unit as CountedIn};
 use crate::{machine, messages};
-use look::Look;
+pub(crate) use look::Look;
 pub(crate) use outputs::Outputs;
 use picture::Task;
 pub(crate) use picture::no_device;
@@ -54,13 +54,14 @@ const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png, -o FILE.png only the PNG, -o FILE.shard the samples, from which
 `translucid merge` makes the picture. Several processes or machines share a picture by --samples A..B: see
 `translucid plan`.
-Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it, and so do SIGTERM (queues, containers)
-and SIGHUP (a terminal that closes, but not under nohup). A checkpoint is also saved every 30 s.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it, and so do SIGTERM, SIGUSR1, SIGUSR2 and
+SIGXCPU (queues, containers) and SIGHUP (a terminal that closes, but not under nohup). A checkpoint is also saved
+every 30 s.
 --resume continues from there; the result is the same as that of an uninterrupted run.
 --tev[=HOST:PORT] shows the picture under the name of its file in tev (https://github.com/Tom94/tev), twice a second,
 or less often if that would take more than 1 % of the time. If tev quits or is too slow, the rendering goes on.
---denoise loads the system's library, or the one that the variable TRANSLUCID_OIDN names. FILE.exr keeps all its
-layers and gets the layer denoised; FILE.png shows that.
+--denoise loads the system's Open Image Denoise or that of `pip install pyoidn`, or the one that the variable
+TRANSLUCID_OIDN names. FILE.exr keeps all its layers and gets the layer denoised; FILE.png shows that.
 
 Several models after --subsurface render the scene with each and write to a directory, -o DIR:
   MODEL.exr, MODEL.png   the picture with each MODEL; same seed and samples, --time is for each
@@ -166,18 +167,30 @@ pub(crate) struct Arguments {
     tev: Option<String>,
     #[command(flatten)]
     watch: WatchArguments,
-    /// Denoise the picture with Open Image Denoise, if installed
+    /// Denoise the picture with Open Image Denoise (pip install pyoidn)
     #[arg(long)]
     denoise: bool,
+    /// Write N pictures, NAME-001 and so on, of one turn
+    ///
+    /// A bare mesh turns; in a scene the camera turns about its target.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PICTURES),
+        help_heading = MESH_AND_VIEW)]
+    turntable: Option<u32>,
     // The headings hold for all that comes after them
     #[command(flatten, next_help_heading = MESH_AND_VIEW)]
-    look: Look,
-    #[command(flatten, next_help_heading = "Picture")]
-    tone: Tone,
+    pub(crate) look: Look,
+    #[command(flatten, next_help_heading = PICTURE)]
+    pub(crate) tone: Tone,
 }
 
 /// Heading of the options for a mesh and for what is seen of a scene.
-const MESH_AND_VIEW: &str = "Bare mesh and view";
+pub(crate) const MESH_AND_VIEW: &str = "Bare mesh and view";
+
+/// Heading of the options for how a picture is shown.
+pub(crate) const PICTURE: &str = "Picture";
+
+/// Most pictures of a turntable.
+const MOST_PICTURES: i64 = 3600;
 
 impl Arguments {
     /// Time between two checkpoints: what a power cut may cost.
@@ -203,7 +216,7 @@ impl Arguments {
             (self.resume, "--resume"),
             (self.denoise, "--denoise"),
             (self.tev.is_some(), "--tev"),
-            (self.look.turntable.is_some(), "--turntable"),
+            (self.turntable.is_some(), "--turntable"),
             (self.watch.stats.is_some(), "--stats"),
             (self.watch.preview.is_some(), "--preview"),
         ] {
@@ -240,7 +253,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
             (arguments.samples.is_some(), "--samples"),
             (arguments.denoise, "--denoise"),
             (arguments.watch.stats.is_some(), "--stats"),
-            (arguments.look.turntable.is_some(), "--turntable"),
+            (arguments.turntable.is_some(), "--turntable"),
         ] {
             if given {
                 let message = format!("{option} is for one model, but --subsurface has several");
@@ -265,7 +278,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
-    if let Some(count) = arguments.look.turntable {
+    if let Some(count) = arguments.turntable {
         return turntable::run(arguments, models.first().copied(), &outputs, count);
     }
     let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
@@ -303,7 +316,7 @@ fn note_lamps(arguments: &Arguments, scene: &Scene) {
 }
 
 /// How the pictures of the command are exposed: a mesh says nothing of that.
-fn exposure(arguments: &Arguments) -> Exposure {
+pub(crate) fn exposure(arguments: &Arguments) -> Exposure {
     let is_mesh = arguments.scene.is_some() && !has_extension(arguments, &["toml"]);
     arguments.tone.exposure(is_mesh)
 }
@@ -318,7 +331,16 @@ pub(crate) fn scene(
     arguments: &Arguments,
     model: Option<SubsurfaceModel>,
 ) -> Result<(Scene, Vec<Warning>), Failure> {
-    scene_turned(arguments, model, arguments.look.turntable.map(|_| 0.0))
+    scene_turned(arguments, model, arguments.turntable.map(|_| 0.0))
+        .map(|(scene, warnings, _)| (scene, warnings))
+}
+
+/// As [`scene`], with the orientation of a bare mesh.
+pub(crate) fn oriented_scene(
+    arguments: &Arguments,
+    model: Option<SubsurfaceModel>,
+) -> Result<(Scene, Vec<Warning>, Option<Orientation>), Failure> {
+    scene_turned(arguments, model, None)
 }
 
 /// As [`scene`], with what is seen turned by an angle \[degrees\].
@@ -326,14 +348,14 @@ fn scene_turned(
     arguments: &Arguments,
     model: Option<SubsurfaceModel>,
     turn: Option<f64>,
-) -> Result<(Scene, Vec<Warning>), Failure> {
+) -> Result<(Scene, Vec<Warning>, Option<Orientation>), Failure> {
     let meter = Arc::new(OnceLock::new());
     let watch = watch(Arc::clone(&meter));
     let options = LoadOptions { turn, watch, ..load_options(arguments, model) };
     let mut warnings = Vec::new();
     let loaded = match &arguments.scene {
-        Some(path) => load_scene(path, &options, &mut warnings).map_err(Failure::from),
-        None => built_in(arguments, &options),
+        Some(path) => load_oriented(path, &options, &mut warnings).map_err(Failure::from),
+        None => built_in(arguments, &options).map(|scene| (scene, None)),
     };
     meter.get().into_iter().for_each(Meter::finish);
     if loaded.is_err() {
@@ -342,7 +364,7 @@ fn scene_turned(
         }
         messages::print_warnings(&warnings);
     }
-    let mut scene = loaded?;
+    let (mut scene, orientation) = loaded?;
     scene.film = arguments.tone.of(scene.film);
     if let Some(seed) = arguments.seed {
         scene.integrator.seed = seed;
@@ -359,7 +381,7 @@ fn scene_turned(
         (None, Some(_)) if arguments.samples.is_none() => MAX_SAMPLES,
         (None, _) => scene.integrator.samples_per_pixel,
     };
-    Ok((scene, warnings))
+    Ok((scene, warnings, orientation))
 }
 
 /// Refuses what does not go with a shard, and parts of the samples without one.
@@ -374,8 +396,7 @@ fn check_shard(arguments: &Arguments, outputs: &Outputs) -> Result<(), Failure> 
             None => Ok(()),
         };
     }
-    for (given, option) in
-        [(arguments.denoise, "--denoise"), (arguments.look.turntable.is_some(), "--turntable")]
+    for (given, option) in [(arguments.denoise, "--denoise"), (arguments.turntable.is_some(), "--turntable")]
     {
         if given {
             let message = format!("{option} is for pictures, but -o names a shard");
@@ -423,7 +444,7 @@ fn built_in(arguments: &Arguments, options: &LoadOptions) -> Result<Scene, Failu
     Ok(still_life(options)?)
 }
 
-fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOptions {
+pub(crate) fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOptions {
     arguments.look.of(LoadOptions {
         preset: arguments.preset.clone(),
         unit: arguments.unit.map(Unit::from),
@@ -513,7 +534,7 @@ fn parse_method(text: &str) -> Result<SubsurfaceMethod, String> {
         .ok_or_else(|| String::from("the methods are ray-traced, point-based and cycles-disk"))
 }
 
-fn parse_seconds(text: &str) -> Result<Duration, String> {
+pub(crate) fn parse_seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= 1e9);
     seconds
         .map(Duration::from_secs_f64)

@@ -17,7 +17,7 @@ Examples:
   translucid sample --surface-albedo 0.8 --mfp 1 --count 1000
   translucid sample --surface-albedo 0.8 --mfp 1 --count 1000000 --seed 7 -o radii.csv
   translucid sample --model dipole --sigma-a 0.0021 --sigma-s 2.19 --count 1000
-  translucid sample --table measured.csv --surface-albedo 0.8 --mfp 2 --count 1000";
+  translucid sample --table examples/measured.csv --surface-albedo 0.8 --mfp 2 --count 1000";
 
 /// Draws radii from a reflectance profile
 #[derive(Args, Debug)]

@@ -10,7 +10,6 @@ use translucid_load::load_plain_image;
 use translucid_profile::Configuration;
 use translucid_profile::convention::{ArgumentNames, ColorSpaces, LINEAR_SPACES, TexelMixer};
 use translucid_scene::{ColorSpace, Image};
-use translucid_words::Word;
 
 use crate::failure::Failure;
 use crate::files::{Directory, input_among};
@@ -44,9 +43,8 @@ pub(crate) fn run(options: &ArgMatches) -> Option<Result<(), Failure>> {
     let paths = [file("albedo_texture")?, file("mfp_texture")?].map(PathBuf::as_path);
     let from = text("from_color_space").map_or(LINEAR_SPACES[0], String::as_str);
     let spaces = ColorSpaces { from, to: text("color_space")? };
-    let name = text("configuration");
-    let known = Configuration::WORDS.iter().find(|(word, _)| name.is_some_and(|name| name == word));
-    let configuration = known.map_or(Configuration::Diffuse, |(_, configuration)| *configuration);
+    let configuration = text("configuration").and_then(|name| Configuration::from_name(name));
+    let configuration = configuration.unwrap_or(Configuration::Diffuse);
     Some(convert(paths, spaces, configuration, file("output")?))
 }
 
@@ -116,6 +114,7 @@ fn texture(rows: &[Vec<[[f32; 3]; 2]>], which: usize, size: [u32; 2]) -> Result<
     };
     let mut file = Cursor::new(Vec::new());
     let picture = Picture::new(size, channels.to_vec(), fill)
+        .with_data(true)
         .with_metadata(concat!("translucid ", env!("CARGO_PKG_VERSION")), Vec::new());
     picture.write_exr(&mut file).map_err(|error| Failure::work(format!("cannot make a picture: {error}")))?;
     Ok(file.into_inner())

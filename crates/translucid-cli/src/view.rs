@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use translucid_gpu::Choice;
-use translucid_load::{ExtendedBase, LoadOptions, load_scene, still_life};
+use translucid_load::{ExtendedBase, LoadOptions, MeshBase, Orientation, load_scene, still_life};
 use translucid_scene::Unit;
-use translucid_view::{Devices, Page, Settings, ViewError};
+use translucid_view::{Devices, MeshToTurn, Page, Settings, ViewError};
 
 use crate::failure::Failure;
 use crate::model::{ModelName, UnitName};
@@ -21,6 +21,7 @@ All open pages show the same scene and picture. Ctrl-C ends the server.
 Examples:
   translucid view
   translucid view bust.glb --preset marble
+  translucid view scan.ply --unit m --up z
   translucid view scenes/head.toml --size 960x540
   translucid view scene.toml --no-open --port 8080";
 
@@ -66,6 +67,10 @@ pub(crate) struct ViewArguments {
     /// Mesh file for object NAME, or for the only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = render::parse_mesh)]
     mesh: Vec<(Option<String>, PathBuf)>,
+    #[command(flatten, next_help_heading = render::MESH_AND_VIEW)]
+    look: render::Look,
+    #[command(flatten, next_help_heading = render::PICTURE)]
+    tone: render::Tone,
 }
 
 /// Runs the verb.
@@ -74,12 +79,15 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
         Failure::work(format!("cannot serve at port {}: {error}", arguments.port))
             .with_help("--port 0 takes one that is free")
     })?;
-    let settings = settings(arguments, devices(&arguments.device)?)?;
+    let devices = devices(&arguments.device)?;
+    let origin = Origin::of(arguments)?;
     print_address(&page)?;
     interrupt::catch("\nclosing")?;
     let model = arguments.subsurface.map(ModelName::model);
     let pool = machine::threads(arguments.threads)?;
-    let (scene, warnings) = pool.install(|| render::scene(&arguments.of_render(), model))?;
+    let (scene, warnings, orientation) =
+        pool.install(|| render::oriented_scene(&arguments.of_render(), model))?;
+    let settings = settings(arguments, origin, orientation, devices);
     messages::print_warnings(&warnings);
     render::require_memory(&scene)?;
     // Only now: a scene that cannot be loaded needs no browser, and what is prepared next takes as long as one to start
@@ -121,40 +129,77 @@ fn devices(name: &str) -> Result<Devices, Failure> {
     Ok(Devices { names, open: Box::new(open), first: choice.device, by_script: None })
 }
 
-fn settings(arguments: &ViewArguments, devices: Devices) -> Result<Settings, Failure> {
-    let (name, extends) = match &arguments.scene {
-        None => (String::from("still life"), String::from("still-life")),
-        Some(path) => {
-            // A saved scene lies in another folder
-            let absolute = std::path::absolute(path)
-                .map_err(|error| Failure::input(format!("{} has no place: {error}", path.display())))?;
-            (path.display().to_string(), absolute.display().to_string())
+/// Where the scene comes from: its name for people, and for a file that extends it.
+struct Origin {
+    name: String,
+    extends: String,
+}
+
+impl Origin {
+    fn of(arguments: &ViewArguments) -> Result<Self, Failure> {
+        if arguments.look.has_floor_of_camera() {
+            let message = "--floor is for the automatic camera here, but --camera chooses another";
+            return Err(
+                Failure::input(message).with_help("leave one of them out, or choose a side by --view")
+            );
+        }
+        let Some(path) = &arguments.scene else {
+            return Ok(Self { name: String::from("still life"), extends: String::from("still-life") });
+        };
+        // A saved scene lies in another folder
+        let absolute = std::path::absolute(path)
+            .map_err(|error| Failure::input(format!("{} has no place: {error}", path.display())))?;
+        Ok(Self { name: path.display().to_string(), extends: absolute.display().to_string() })
+    }
+}
+
+fn settings(
+    arguments: &ViewArguments,
+    Origin { name, extends }: Origin,
+    orientation: Option<Orientation>,
+    devices: Devices,
+) -> Settings {
+    let render = arguments.of_render();
+    let preset = arguments.preset.clone();
+    let mesh = MeshBase { preset, unit: arguments.unit.map(Unit::from), ..MeshBase::default() };
+    // Of what is seen of a scene file, a saved scene has the camera
+    let mesh = if orientation.is_some() { arguments.look.of_base(mesh) } else { mesh };
+    let base = ExtendedBase { extends, mesh };
+    let of_base =
+        base.mesh.apply(LoadOptions { mesh_overrides: arguments.mesh.clone(), ..LoadOptions::default() });
+    let scene = arguments.scene.clone();
+    let load_base = move |turned: Option<Orientation>| {
+        let options = of_base.clone();
+        let options = match turned {
+            Some(orientation) => orientation.apply(options),
+            None => options,
+        };
+        match &scene {
+            Some(path) => load_scene(path, &options, &mut Vec::new()),
+            None => still_life(&options),
         }
     };
-    let unit = arguments.unit.map(Unit::from);
-    let options = LoadOptions {
-        preset: arguments.preset.clone(),
-        unit,
-        mesh_overrides: arguments.mesh.clone(),
-        ..LoadOptions::default()
-    };
-    let scene = arguments.scene.clone();
-    let load_base = move || match &scene {
-        Some(path) => load_scene(path, &options, &mut Vec::new()),
-        None => still_life(&options),
-    };
-    let mesh = |(name, path): &(Option<String>, PathBuf)| match name {
+    let shown = render::load_options(&render, arguments.subsurface.map(ModelName::model));
+    let mesh = orientation.zip(arguments.scene.clone()).map(|(orientation, path)| {
+        let load = move |to: Orientation, size| {
+            load_scene(&path, &to.apply(LoadOptions { size: Some(size), ..shown.clone() }), &mut Vec::new())
+        };
+        MeshToTurn { orientation, load: Box::new(load) }
+    });
+    let option = |(name, path): &(Option<String>, PathBuf)| match name {
         Some(name) => format!("--mesh '{name}={}'", path.display()),
         None => format!("--mesh '{}'", path.display()),
     };
-    Ok(Settings {
+    Settings {
         name,
-        base: ExtendedBase { extends, preset: arguments.preset.clone(), unit },
+        base,
         load_base: Box::new(load_base),
+        mesh,
+        is_metered: render::exposure(&render).is_metered(),
         command: command_line::shown(),
-        options: arguments.mesh.iter().map(mesh).collect::<Vec<_>>().join(" "),
+        options: arguments.mesh.iter().map(option).collect::<Vec<_>>().join(" "),
         devices,
-    })
+    }
 }
 
 impl ViewArguments {
@@ -168,6 +213,8 @@ impl ViewArguments {
         arguments.preset.clone_from(&self.preset);
         arguments.unit = self.unit;
         arguments.mesh.clone_from(&self.mesh);
+        arguments.look.clone_from(&self.look);
+        arguments.tone.clone_from(&self.tone);
         arguments
     }
 }

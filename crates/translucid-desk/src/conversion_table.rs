@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use translucid_profile::convention::{ConvertedNumber, Role, System};
+use translucid_profile::convention::{ConvertedNumber, Role, System, Unit};
 use translucid_words::{Cell, Column, exact};
 
 #[rustfmt::skip]
@@ -34,7 +34,7 @@ pub(crate) fn list() -> String {
                 _ => parameter.name.to_owned(),
             })
             .collect();
-        let unit = system.unit.name().unwrap_or("scene");
+        let unit = system.unit.map_or("scene", Unit::name);
         let rule = format!("{}: {}", parameters.join(", "), system.formula);
         text += &row([system.name, unit, system.source.kind, system.version, &rule]);
     }

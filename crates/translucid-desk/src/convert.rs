@@ -6,7 +6,7 @@ use translucid_profile::convention::{
 };
 use translucid_profile::{Configuration, ParameterError};
 use translucid_words::{
-    Context, DataTable, Entry, Error, Fallback, Interval, Rule, Thing, Word, field, numbers, optional,
+    Context, DataTable, Entry, Error, Fallback, Interval, Rule, Thing, field, numbers, optional,
     optional_word, text, texts, word,
 };
 
@@ -63,7 +63,7 @@ pub static CONVERT: Question<AskedConversion> = Question {
             field!(AskedConversion { to } => texts(to, "SYSTEMS"), "Systems to print, comma-separated", Words("all")),
             field!(AskedConversion { set } => texts(set, SETTING),
                 "A fixed parameter of a printed system; repeated for each parameter", Words("none")),
-            field!(AskedConversion { configuration } => word(configuration, Configuration::WORDS),
+            field!(AskedConversion { configuration } => word(configuration, &Configuration::WORDS),
                 "How light enters, for the fit between the width of a profile and the mean free path of a medium: a pencil beam perpendicularly, or light with a cosine distribution", Plain),
             field!(AskedConversion { color_space } => text(color_space, SPACES),
                 "Linear color space of the printed numbers", Words("that of the material")),

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use translucid_load::nearest_file;
 use translucid_words::{Error, Place};
 
 /// Reads all of a file of at most so many bytes; what it says of its size counts for nothing, as pipes and devices say none.
@@ -16,7 +17,11 @@ pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     match read {
         Ok(count) if count as u64 > most => Err(format!("has more than {most} bytes, which are not read")),
         Ok(_) => Ok(bytes),
-        Err(error) => Err(format!("cannot be read: {error}")),
+        Err(error) => {
+            let meant = nearest_file(path)
+                .map_or_else(String::new, |near| format!("; did you mean {}?", near.display()));
+            Err(format!("cannot be read: {error}{meant}"))
+        }
     }
 }
 

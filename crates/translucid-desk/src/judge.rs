@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use translucid_laboratory::judge::{Judgement, LEVELS, Pass, Setup, appearance, judgement_chart};
-use translucid_measure::CHANNELS;
+use translucid_measure::{CHANNELS, Photo};
 use translucid_profile::{AlbedoInversion, Configuration, Parameterization, scaling};
+use translucid_scene::linear_from_srgb;
 use translucid_words::{
-    Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Rule, Thing, Value, Word, field,
+    Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Place, Rule, Thing, Value, field,
     number, numbers, optional, path, word,
 };
 
@@ -69,7 +70,7 @@ pub static JUDGE: Question<AskedJudge> = Question {
                 "Mean free path in the volume, in any unit, {range}: one, or three", Words("none")),
             field!(AskedJudge { dmfp } => numbers(dmfp, POSITIVE, [1, 3]),
                 "Diffuse mean free path on the surface, {range}, in place of the mean free path", Words("none")),
-            field!(AskedJudge { configuration } => word(configuration, Configuration::WORDS),
+            field!(AskedJudge { configuration } => word(configuration, &Configuration::WORDS),
                 "How light enters the medium: as a pencil beam, perpendicularly, or with a cosine distribution", Plain),
             field!(AskedJudge { g } => number(g, Interval::closed(*AlbedoInversion::G.start(), *AlbedoInversion::G.end())),
                 "Mean cosine of the phase function, {range}", Plain),
@@ -94,7 +95,7 @@ pub static JUDGE: Question<AskedJudge> = Question {
         ],
     },
     about: About {
-        more: "The picture is linear OpenEXR with channels R, G, B: a plane seen straight from above, orthographically, whose irradiance is 1 in a shape and 0 elsewhere. Make it by the pass under test, with borders that repeat the last pixel for an edge or a line:\n  edge: one half is lit, whatever the direction of the straight line between both;\n  disk: a disk whose diameter is the size is lit;\n  line: a band whose width is the size is lit, along rows or columns.\nThe plane is a half space. Its light is exact with g 0 and eta 1. Otherwise 400,000 photons walk for it, and the light across an edge is known to 0.001 (one standard error).\n\nA channel is right if its RMS difference is at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all its light within 2 %, which takes white. If it is not, the light that known mistakes draw is compared with it. The one that explains the picture gives the verdict: profile, gather, or picture (a wrong size). unknown means that none does.\n\nThe diffuse mean free path is the exact one of this surface albedo and configuration. export takes it for the searchlight's unless stated, and convert goes by Burley's fit: a note prints all three in mean free paths.",
+        more: "The picture is linear OpenEXR with channels R, G, B: a plane seen straight from above, orthographically, whose irradiance is 1 in a shape and 0 elsewhere. Make it by the pass under test, with borders that repeat the last pixel for an edge or a line:\n  edge: one half is lit, whatever the direction of the straight line between both;\n  disk: a disk whose diameter is the size is lit;\n  line: a band whose width is the size is lit, along rows or columns.\nThe plane is a half space. Its light is exact with g 0 and eta 1. Otherwise 400,000 photons walk for it, and the light across an edge is known to 0.001 (one standard error).\n\nA channel is right if its RMS difference is at most 0.01 of the light on a large lit shape, its widths are within 3 %, and all its light within 2 %, which takes white. If it is not, the light that known mistakes draw is compared with it. The one that explains the picture gives the verdict: profile, gather, or picture (a wrong size, or codes of sRGB in place of light). unknown means that none does, or that noise hides which.\n\nPixels are averaged along the edge or line, or around the disk, and their scatter tells the noise, which counts neither for nor against the pass.\n\nThe diffuse mean free path is the exact one of this surface albedo and configuration. export takes it for the searchlight's unless stated, and convert goes by Burley's fit: a note prints all three in mean free paths.",
         source: "",
         is_by_element: false,
         right: || {
@@ -123,12 +124,13 @@ pub static JUDGE: Question<AskedJudge> = Question {
 };
 
 #[rustfmt::skip]
-static COLUMNS: [Column; 13] = [
+static COLUMNS: [Column; 14] = [
     Column::new("channel", "", "red, green or blue"),
     Column::new("verdict", "", "right, profile, gather, picture or unknown"),
     Column::new("light_error", "1", "all light over what there is less 1; empty without white"),
     Column::new("rms_error", "1", "RMS difference, as a part of the light on a large lit shape"),
     Column::new("largest_error", "1", "greatest difference"),
+    Column::new("noise", "1", "RMS difference that the picture's noise makes of it"),
     Column::new("width_25", "L", "distance at which light falls to 25 %"),
     Column::new("exact_width_25", "L", "the same of the exact light"),
     Column::new("width_10", "L", "distance at which light falls to 10 %"),
@@ -188,28 +190,50 @@ impl AskedJudge {
 fn answer(asked: &AskedJudge, _: &Context, control: &Control<'_>) -> Result<Answer, Unanswered> {
     let Some(path) = &asked.picture else { return Ok(Answer::default()) };
     let setup = asked.setup()?;
-    let bins = picture::read(path, setup, asked.pixel)?;
+    let photo = picture::load(path)?;
     let is_dmfp = asked.mfp.is_empty();
     let lengths = if is_dmfp { &asked.dmfp } else { &asked.mfp };
     let notes = if is_dmfp { vec![asked.note()?] } else { Vec::new() };
-    let mut judged = Vec::new();
-    for (i, (channel, bins)) in CHANNELS.into_iter().zip(bins).enumerate() {
-        let pass = Pass {
-            setup,
-            appearance: appearance(at(&asked.surface_albedo, i), at(lengths, i), is_dmfp, asked.g),
-            eta: asked.eta,
-            configuration: asked.configuration,
-            pixel: asked.pixel,
-            white: asked.white,
-            bins,
-        };
-        let fail = |fault| Error::new(format!("{}: {channel}: {fault}", path.display()));
-        judged.push((channel, pass.judge().map_err(fail)?));
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(Unanswered::Stopped);
+    let judge = |photo: &Photo, white: Option<f64>| {
+        let bins = picture::averaged(photo, setup, asked.pixel);
+        let bins = bins.map_err(|message| Error::at(Place::file(path), message))?;
+        let mut judged = Vec::new();
+        for (i, (channel, bins)) in CHANNELS.into_iter().zip(bins).enumerate() {
+            let pass = Pass {
+                setup,
+                appearance: appearance(at(&asked.surface_albedo, i), at(lengths, i), is_dmfp, asked.g),
+                eta: asked.eta,
+                configuration: asked.configuration,
+                pixel: asked.pixel,
+                white,
+                bins,
+            };
+            let fail = |fault| Error::new(format!("{}: {channel}: {fault}", path.display()));
+            judged.push((channel, pass.judge().map_err(fail)?));
+            if control.stop.load(Ordering::Relaxed) {
+                return Err(Unanswered::Stopped);
+            }
+            (control.progress)(judged.len() as f64 / CHANNELS.len() as f64);
         }
-        (control.progress)(judged.len() as f64 / CHANNELS.len() as f64);
-    }
+        Ok(judged)
+    };
+    let judged = match judge(&photo, asked.white) {
+        Err(Unanswered::Stopped) => return Err(Unanswered::Stopped),
+        linear => match picture::decoded(&photo).filter(|_| !linear.as_ref().is_ok_and(all_are_right)) {
+            None => linear?,
+            Some(photo) => {
+                let white = asked.white.map(|white| f64::from(linear_from_srgb(white.min(1e6) as f32)));
+                match judge(&photo, white) {
+                    Err(Unanswered::Stopped) => return Err(Unanswered::Stopped),
+                    Ok(decoded) if are_codes(&linear, &decoded) => decoded
+                        .into_iter()
+                        .map(|(channel, judgement)| (channel, judgement.of_codes()))
+                        .collect(),
+                    _ => linear?,
+                }
+            }
+        },
+    };
     let channels: Vec<(&str, &Judgement)> = judged.iter().map(|(name, one)| (*name, one)).collect();
     let svg = judgement_chart(&channels, "").svg().into_bytes();
     let rows = channels.iter().map(|(channel, judgement)| row(channel, judgement)).collect();
@@ -222,10 +246,28 @@ fn answer(asked: &AskedJudge, _: &Context, control: &Control<'_>) -> Result<Answ
     })
 }
 
+/// A judgement of each channel.
+type Judged = Vec<(&'static str, Judgement)>;
+
+fn all_are_right(judged: &Judged) -> bool {
+    judged.iter().all(|(_, judgement)| judgement.verdict() == "right")
+}
+
+/// Part of what is unexplained of a picture that codes of sRGB may leave, if it is one of them.
+const CODES_LEAVE: f64 = 0.7;
+
+/// Whether a picture that is not right is better explained by its being one of codes.
+fn are_codes(linear: &Result<Judged, Unanswered>, decoded: &Judged) -> bool {
+    let Ok(linear) = linear else { return all_are_right(decoded) };
+    let left = |judged: &Judged| judged.iter().map(|(_, judgement)| judgement.unexplained()).sum::<f64>();
+    let is_known = decoded.iter().all(|(_, judgement)| judgement.verdict() != "unknown");
+    is_known && left(decoded) < CODES_LEAVE * left(linear)
+}
+
 fn row(channel: &str, judgement: &Judgement) -> Vec<Cell> {
     let known = |value: Option<f64>| Cell::Number(value.unwrap_or(f64::NAN));
     let mut cells = vec![Cell::from(channel), Cell::from(judgement.verdict()), known(judgement.light_error)];
-    cells.extend([judgement.rms, judgement.largest].map(Cell::Number));
+    cells.extend([judgement.rms, judgement.largest, judgement.noise].map(Cell::Number));
     cells.extend(judgement.widths.iter().flatten().map(|width| Cell::Number(*width)));
     cells.extend([known(judgement.explained_rms), Cell::from(judgement.sentence.as_str())]);
     cells

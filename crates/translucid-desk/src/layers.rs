@@ -9,13 +9,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use translucid_laboratory::stack::Filament;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
+#[cfg(not(target_family = "wasm"))]
+use translucid_reference::Estimate;
 use translucid_reference::Incidence;
+#[cfg(not(target_family = "wasm"))]
+use translucid_reference::layers::LayersProfile;
 use translucid_reference::layers::{Ground, Layer, Layers, Totals};
 #[cfg(not(target_family = "wasm"))]
 use translucid_reference::walk::Control as WalkControl;
 use translucid_words::{
     Cell, Column, Context, DataTable, Entry, Error, Fallback, Interval, Item, Parse, Placed, Provenance,
-    Questions, Rule, Table, Thing, Value, Varied, Word, document, exact, field, number, numbers, optional,
+    Questions, Rule, Table, Thing, Value, Varied, document, exact, field, number, numbers, optional,
     optional_word, parsed, table, things, varied, word,
 };
 
@@ -365,7 +369,7 @@ pub static LAYERS: Question<AskedLayers> = Question {
         plain: AskedLayers::default,
         fields: &[
             field!(AskedLayers { layers } => document(layers, &LAYERS_FILE), "layers, or the TOML file of them", Required),
-            field!(AskedLayers { configuration } => optional_word(configuration, Configuration::WORDS),
+            field!(AskedLayers { configuration } => optional_word(configuration, &Configuration::WORDS),
                 "how light arrives", Words("searchlight along the normal")),
             field!(AskedLayers { incidence_angle } => optional(incidence_angle, Interval::below(0.0, 90.0)),
                 "angle of a beam above, in degrees from the normal, {range}", Words("none")),
@@ -382,7 +386,11 @@ pub static LAYERS: Question<AskedLayers> = Question {
         source: "Discrete directions in each layer (S. Chandrasekhar 1950, Radiative Transfer), joined by adding (H. C. van de Hulst 1963, A new look at multiple scattering); profiles by wave number.",
         is_by_element: true,
         right: right_layers,
-        examples: &["paint.toml", "skin.toml --incidence-angle 45", "paint.toml --r 0.1,1,10"],
+        examples: &[
+                "examples/layers/paint.toml",
+                "examples/layers/skin.toml --incidence-angle 45",
+                "examples/layers/paint.toml --r 0.1,1,10",
+            ],
         columns: &TOTALS,
         formats: &["csv", "json"],
     },
@@ -429,7 +437,11 @@ static TOTALS: [Column; 7] = [
     Column::new("diffuse_transmittance", "1", "part of the light that leaves below scattered"),
     Column::new("absorbed_by_layer_1", "1", "part of the light that a layer absorbs, a column for each"),
     Column::new("absorbed_by_ground", "1", "part of the light that a ground absorbs"),
-    Column::new("error", "1", "estimated numerical error of each part"),
+    Column::new(
+        "error",
+        "1",
+        "estimated numerical error of each part, and what every second row of a phase function's table changes",
+    ),
 ];
 
 /// Columns of profiles.
@@ -543,6 +555,21 @@ fn solve<T: Send>(
     stacks.par_iter().map(solve).collect()
 }
 
+/// Solutions for the stacks, and for what becomes of each without every second row of its phase functions' tables, if it has
+/// some: what that changes is not known.
+fn solve_with_doubts<T: Send>(
+    stacks: &[Layers],
+    control: &Control<'_>,
+    one: impl Fn(&Layers, &WalkControl) -> Result<Option<T>, Unanswered> + Sync,
+) -> Result<Vec<(T, Option<T>)>, Unanswered> {
+    let thinned: Vec<Option<Layers>> = stacks.iter().map(Layers::thinned).collect();
+    let both: Vec<Layers> = stacks.iter().chain(thinned.iter().flatten()).cloned().collect();
+    let mut solved = solve(&both, control, one)?;
+    let mut doubts = solved.split_off(stacks.len()).into_iter();
+    let doubt = |thinned: &Option<Layers>| thinned.as_ref().and_then(|_| doubts.next());
+    Ok(solved.into_iter().zip(thinned.iter().map(doubt).collect::<Vec<_>>()).collect())
+}
+
 fn answer(asked: &AskedLayers, context: &Context, control: &Control<'_>) -> Result<Answer, Unanswered> {
     let Some(keys) = &asked.layers else { return Ok(Answer::default()) };
     if keys.grounds.is_some() {
@@ -553,14 +580,17 @@ fn answer(asked: &AskedLayers, context: &Context, control: &Control<'_>) -> Resu
     }
     let incidence = asked.incidence()?;
     let (stacks, places) = stacks(keys, context.count())?;
-    match &asked.r {
+    let mut warnings: Vec<String> = stacks.iter().flat_map(Layers::warnings).collect();
+    warnings.dedup();
+    let answer = match &asked.r {
         None => totals(asked, &stacks, &places, incidence, control),
         Some(_) if incidence != Incidence::NORMAL => {
             let error = Error::new("profiles of layers are those of a searchlight along the normal");
-            Err(error.with_help("leave the radii out for totals under any light").into())
+            return Err(error.with_help("leave the radii out for totals under any light").into());
         }
         Some(r) => profiles(asked, r, &stacks, &places, control),
-    }
+    }?;
+    Ok(Answer { warnings: [warnings, answer.warnings].concat(), ..answer })
 }
 
 fn totals(
@@ -571,7 +601,7 @@ fn totals(
     control: &Control<'_>,
 ) -> Result<Answer, Unanswered> {
     let tolerance = asked.tolerance.unwrap_or(1e-6);
-    let solved = solve(stacks, control, |layers, watch| {
+    let solved = solve_with_doubts(stacks, control, |layers, watch| {
         let totals = totals_within(layers, tolerance, incidence, watch).map_err(refused)?;
         match totals {
             Some(totals) if totals.error > HOPELESS.max(tolerance) => {
@@ -582,25 +612,33 @@ fn totals(
             totals => Ok(totals),
         }
     })?;
-    let layers = solved.first().map_or(0, |totals| totals.absorbed.len());
+    let layers = solved.first().map_or(0, |(totals, _)| totals.absorbed.len());
     let mut table = DataTable::of(&TOTALS[..4]);
     let absorbed = (1..=layers).map(|layer| TOTALS[4].named(format!("absorbed_by_layer_{layer}")));
     table.columns.extend(absorbed.chain(TOTALS[5..].iter().cloned()));
     table.rows = places
         .iter()
         .map(|place| {
-            let totals = &solved[*place];
-            let parts = [
-                totals.specular_reflectance,
-                totals.diffuse_reflectance,
-                totals.collimated_transmittance,
-                totals.diffuse_transmittance,
-            ];
-            let ends = [totals.absorbed_by_ground, totals.error];
-            parts.into_iter().chain(totals.absorbed.iter().copied()).chain(ends).map(Cell::Number).collect()
+            let (totals, doubt) = &solved[*place];
+            let found = parts(totals);
+            let doubt = doubt.as_ref().map_or(0.0, |doubt| {
+                found.iter().zip(parts(doubt)).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+            });
+            found.into_iter().chain([totals.error + doubt]).map(Cell::Number).collect()
         })
         .collect();
     Ok(Answer { tables: vec![table], ..Answer::default() })
+}
+
+/// The parts of totals in the order of columns.
+fn parts(totals: &Totals) -> Vec<f64> {
+    let first = [
+        totals.specular_reflectance,
+        totals.diffuse_reflectance,
+        totals.collimated_transmittance,
+        totals.diffuse_transmittance,
+    ];
+    first.into_iter().chain(totals.absorbed.iter().copied()).chain([totals.absorbed_by_ground]).collect()
 }
 
 /// Profiles take too much code for WebAssembly.
@@ -624,7 +662,7 @@ fn profiles(
     control: &Control<'_>,
 ) -> Result<Answer, Unanswered> {
     let tolerance = asked.tolerance.unwrap_or(1e-4);
-    let solved = solve(stacks, control, |layers, watch| {
+    let solved = solve_with_doubts(stacks, control, |layers, watch| {
         layers.profile_within(tolerance, watch).map_err(|error| {
             if error.error.parameter == "tolerance" {
                 return refused(error.error);
@@ -637,8 +675,13 @@ fn profiles(
     let mut table = DataTable::of(&PROFILE);
     let mut unknown = 0;
     for (element, place) in places.iter().enumerate() {
-        let (r, profile) = (r.at(element), &solved[*place]);
-        let (reflected, transmitted) = (profile.reflectance(r), profile.transmittance(r));
+        let (r, (profile, doubt)) = (r.at(element), &solved[*place]);
+        let [reflected, transmitted] =
+            [LayersProfile::reflectance, LayersProfile::transmittance].map(|light| {
+                let found = light(profile, r);
+                let doubt = doubt.as_ref().map_or(0.0, |doubt| (light(doubt, r).value - found.value).abs());
+                Estimate { error: found.error + doubt, ..found }
+            });
         let is_unknown = |value: f64, error: f64| error > 0.0 && error >= value;
         unknown += usize::from(
             is_unknown(reflected.value, reflected.error) || is_unknown(transmitted.value, transmitted.error),

@@ -12,8 +12,8 @@ use translucid_reference::Incidence;
 use translucid_reference::layers::Totals;
 use translucid_reference::walk::Control as WalkControl;
 use translucid_words::{
-    Cell, Column, Context, DataTable, Error, Fallback, Interval, Key, Rule, Thing, WholeInterval, Word,
-    exact, field, number, optional, optional_word, path, whole, word,
+    Cell, Column, Context, DataTable, Error, Fallback, Interval, Key, Rule, Thing, WholeInterval, exact,
+    field, number, optional, optional_word, path, whole, word,
 };
 
 use crate::answer::{About, Answer, Control, Form, Question, Unanswered};
@@ -84,7 +84,7 @@ pub static SKIN: Question<AskedSkin> = Question {
                     ("profile", What::Profile),
                 ]),
                 "Figures: surface albedo and mean free path of each channel, a material for a scene file, XYZ with CIELAB and sRGB, light by wavelength, or light within radii", Plain),
-            field!(AskedSkin { configuration } => optional_word(configuration, Configuration::WORDS),
+            field!(AskedSkin { configuration } => optional_word(configuration, &Configuration::WORDS),
                 "Light for the color and the spectrum: a pencil beam that enters perpendicularly, or light with a cosine distribution", Words("diffuse light")),
             field!(AskedSkin { photons } => whole(photons, WholeInterval::new(0, u64::MAX)),
                 "Photons for each of 31 wavelengths, at least 100, for the medium, the material and the profile", Plain),

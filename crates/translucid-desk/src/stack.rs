@@ -60,10 +60,10 @@ pub static STACK: Question<AskedStack> = Question {
         is_by_element: false,
         right: right_layers,
         examples: &[
-            "tooth.toml",
-            "tooth.toml --format text --specular excluded",
-            "tooth.toml --channels -o spectra.csv",
-            "tooth.toml -o tooth.svg",
+            "examples/stack/enamel.toml",
+            "examples/stack/enamel.toml --format text --specular excluded",
+            "examples/stack/enamel.toml --channels -o spectra.csv",
+            "examples/stack/enamel.toml -o enamel.svg",
         ],
         columns: &COLORS,
         formats: &["csv", "json", "text"],
@@ -229,7 +229,7 @@ fn answer(asked: &AskedStack, context: &Context, control: &Control<'_>) -> Resul
         files,
         notes: Vec::new(),
         remarks: kubelka_munk_words(&rows, OFF).into_iter().chain(spread).collect(),
-        warnings: warnings(&rows),
+        warnings: [keys.build(0, &Builder::default())?.warnings(), warnings(&rows)].concat(),
     })
 }
 

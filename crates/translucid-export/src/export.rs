@@ -126,8 +126,8 @@ impl Export<'_> {
                 image::encode(&image::Table::of_curvatures(&self.curvature_table()?), format)
             }
             #[cfg(target_family = "wasm")]
-            Target::Image(format) => {
-                Err(ExportError::new("to", format.name(), "a text: WebAssembly makes no images"))
+            target @ Target::Image(_) => {
+                Err(ExportError::new("to", target.name(), "a text: WebAssembly makes no images"))
             }
         }
     }

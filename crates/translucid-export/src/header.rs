@@ -17,12 +17,17 @@ use crate::sum::Terms;
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
 
-/// Description of a model: its formula, as a sum if it is written as one, and its source.
-pub(crate) fn of_model(model: Model, configuration: Configuration, is_summed: bool) -> String {
-    let light = match configuration {
+/// The light of a configuration in words.
+pub(crate) fn light(configuration: Configuration) -> &'static str {
+    match configuration {
         Configuration::Searchlight => "a pencil beam that enters perpendicularly",
         Configuration::Diffuse => "light that enters with a cosine distribution",
-    };
+    }
+}
+
+/// Description of a model: its formula, as a sum if it is written as one, and its source.
+pub(crate) fn of_model(model: Model, configuration: Configuration, is_summed: bool) -> String {
+    let light = light(configuration);
     match model {
         Model::NormalizedDiffusionRefined => format!(
             "Normalized diffusion refined: the reflectance profile of a translucent surface, by four exponentials.

@@ -1,14 +1,14 @@
 //! Tables as images: linear values, columns and rows as in the table.
 
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 
 use translucid_image::{CodedPicture, MetadataValue, Picture, PictureChannel};
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use translucid_reference::walk::npz_of_numbers;
 
 use crate::curvature_table::CurvatureTable;
 use crate::error::ExportError;
 use crate::image_format::ImageFormat;
+use crate::target::Target;
 use crate::transmittance::TransmittanceTable;
 
 /// Values of red, green, blue, row by row.
@@ -54,7 +54,8 @@ impl<'a> Table<'a> {
 /// The bytes of a file.
 pub(crate) fn encode(table: &Table<'_>, format: ImageFormat) -> Result<Vec<u8>, ExportError> {
     // Memory takes whatever is written
-    let failed = |error: &dyn std::fmt::Display| ExportError::new("to", format.name(), error.to_string());
+    let name = Target::Image(format).name();
+    let failed = |error: &dyn std::fmt::Display| ExportError::new("to", name, error.to_string());
     match format {
         ImageFormat::Exr => exr(table).map_err(|error| failed(&error)),
         ImageFormat::Png => {
@@ -84,7 +85,7 @@ fn exr(table: &Table<'_>) -> std::io::Result<Vec<u8>> {
         }
     };
     let channels = ["R", "G", "B"].map(PictureChannel::single).to_vec();
-    let mut picture = Picture::new([width as u32, height as u32], channels, row);
+    let mut picture = Picture::new([width as u32, height as u32], channels, row).with_data(true);
     picture.software = format!("translucid {}", env!("CARGO_PKG_VERSION"));
     picture.metadata.push((format!("translucid.{}", table.name), MetadataValue::Text(table.note.clone())));
     let mut file = Cursor::new(Vec::new());
@@ -117,34 +118,10 @@ fn dds(table: &Table<'_>) -> Vec<u8> {
     file
 }
 
-fn npz(table: &Table<'_>) -> zip::result::ZipResult<Vec<u8>> {
+fn npz(table: &Table<'_>) -> std::io::Result<Vec<u8>> {
     let [width, height] = table.size;
-    let mut file = ZipWriter::new(Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     let values: Vec<f64> = table.values.iter().flatten().copied().collect();
-    for (name, shape, values) in [
-        (table.name, format!("({height}, {width}, 3)"), values),
-        (table.most.0, String::from("()"), vec![table.most.1]),
-    ] {
-        file.start_file(format!("{name}.npy"), options)?;
-        file.write_all(&npy(&shape, &values))?;
-    }
-    Ok(file.finish()?.into_inner())
-}
-
-/// An array in NumPy's format, version 1.0.
-fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
-    // Magic, version and length take ten bytes; the whole is a multiple of 64 that ends a line
-    while (header.len() + 11) % 64 != 0 {
-        header.push(' ');
-    }
-    header.push('\n');
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend((header.len() as u16).to_le_bytes());
-    file.extend(header.into_bytes());
-    file.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    file
+    npz_of_numbers(&[(table.name, &[height, width, 3], &values), (table.most.0, &[], &[table.most.1])])
 }
 
 #[cfg(test)]
@@ -179,6 +156,5 @@ mod tests {
             assert!(bytes.starts_with(magic), "{format:?}");
         }
         assert_eq!(encode(&Table::of_curvatures(&table()), ImageFormat::Dds).unwrap().len(), 128 + 6 * 16);
-        assert_eq!(npy("(2,)", &[1.0, 2.0]).len() % 64, 16);
     }
 }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use translucid_profile::{AlbedoInversion, Configuration};
 
 use crate::error::ExportError;
+use crate::header::light;
 use crate::number::{horner, literal};
 
 /// Degrees that are tried, and the error of the surface albedo that is small enough.
@@ -75,10 +76,7 @@ impl Inversion {
     /// The functions in WGSL.
     pub(crate) fn wgsl(&self) -> String {
         let Self { g, eta, error, .. } = self;
-        let light = match self.configuration {
-            Configuration::Searchlight => "a pencil beam that enters perpendicularly",
-            Configuration::Diffuse => "light that enters with a cosine distribution",
-        };
+        let light = light(self.configuration);
         let polynomial = horner(&self.coefficients, "x");
         let (g_text, bend) = (literal(*g), literal(self.bend));
         format!(

@@ -1,5 +1,7 @@
 //! Subjects of exported texts.
 
+use translucid_profile::values;
+
 use crate::language::Language;
 use crate::target::Target;
 
@@ -29,54 +31,32 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Every subject.
-    pub const ALL: [Self; 10] = [
-        Self::Profile,
-        Self::Sampler,
-        Self::Disk,
-        Self::Lut,
-        Self::Kernel,
-        Self::Probe,
-        Self::Fresnel,
-        Self::Inversion,
-        Self::Material,
-        Self::Transmittance,
+    /// Every subject with its name and a line about it, in the order of the variants.
+    #[rustfmt::skip]
+    const ROWS: [(Self, [&'static str; 2]); 10] = [
+        (Self::Profile, ["profile", "Evaluation, densities, distribution and quantile of a profile"]),
+        (Self::Sampler, ["sampler", "Random radii and their densities"]),
+        (Self::Disk, ["disk", "Taps around a pixel for screen-space scattering, of a material"]),
+        (Self::Lut, ["lut", "Pre-integrated light on a sphere by N·L and curvature, of a material: c, cpp or an image"]),
+        (Self::Kernel, ["kernel", "Separable kernel for screen-space scattering, of a material"]),
+        (Self::Probe, ["probe", "Sampling of entry points on any shape, as commented reference code"]),
+        (Self::Fresnel, ["fresnel", "Reflectance of a dielectric boundary"]),
+        (Self::Inversion, ["inversion", "The medium behind a surface albedo, for a g and an eta"]),
+        (Self::Material, ["material", "A material with the numbers of OpenPBR Surface: materialx"]),
+        (Self::Transmittance, ["transmittance", "Light through thin parts by their thickness, of a material: also as an image"]),
     ];
+
+    /// Every subject.
+    pub const ALL: [Self; 10] = values(&Self::ROWS);
 
     /// Name as the command line writes it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Profile => "profile",
-            Self::Sampler => "sampler",
-            Self::Disk => "disk",
-            Self::Lut => "lut",
-            Self::Kernel => "kernel",
-            Self::Probe => "probe",
-            Self::Fresnel => "fresnel",
-            Self::Inversion => "inversion",
-            Self::Material => "material",
-            Self::Transmittance => "transmittance",
-        }
+        Self::ROWS[self as usize].1[0]
     }
 
     /// One line about it.
     pub fn description(self) -> &'static str {
-        match self {
-            Self::Profile => "Evaluation, densities, distribution and quantile of a profile",
-            Self::Sampler => "Random radii and their densities",
-            Self::Disk => "Taps around a pixel for screen-space scattering, of a material",
-            Self::Lut => {
-                "Pre-integrated light on a sphere by N·L and curvature, of a material: c, cpp or an image"
-            }
-            Self::Kernel => "Separable kernel for screen-space scattering, of a material",
-            Self::Probe => "Sampling of entry points on any shape, as commented reference code",
-            Self::Fresnel => "Reflectance of a dielectric boundary",
-            Self::Inversion => "The medium behind a surface albedo, for a g and an eta",
-            Self::Material => "A material with the numbers of OpenPBR Surface: materialx",
-            Self::Transmittance => {
-                "Light through thin parts by their thickness, of a material: also as an image"
-            }
-        }
+        Self::ROWS[self as usize].1[1]
     }
 
     /// Returns whether it is a table of a material, and no function.

@@ -1,17 +1,20 @@
 //! Files that are either whole or not there.
 //!
 //! A file is written as a draft beside its target, which it then replaces by its name. A process that is killed
-//! leaves its draft behind; the next one that writes into the directory takes it away. It knows that nobody writes
-//! it any more by its lock, which ends with the process that held it.
+//! leaves its draft behind; the next one of the same system that writes into the directory takes it away. A draft names
+//! the system and the process that write it, so that only who can see that this process has ended removes it. Locks do not
+//! tell that: on many shared disks each machine sees its own only (NFS with `nolock` or `local_lock`, Lustre with
+//! `localflock`).
 //!
 //! Crates for temporary files (`tempfile`, `atomic-write-file`) would do for the 40 lines of [`Draft`], but know neither
-//! such locks nor the checks of a target, and make files that only their owner may read.
+//! such writers nor the checks of a target, and make files that only their owner may read.
 
 use std::ffi::OsStr;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 use crate::OutputError;
 
@@ -32,7 +35,6 @@ pub fn write_atomically(
     let file = draft.file.take().ok_or_else(|| failed(io::Error::other("the draft is gone")))?;
     let mut buffer = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffer).map_err(failed)?;
-    // Still open, and so locked, when it takes its place.
     let file = buffer.into_inner().map_err(|error| failed(error.into_error()))?;
     // Without this a power cut after the rename could leave a whole name on an empty file.
     file.sync_all().map_err(failed)?;
@@ -49,8 +51,9 @@ pub fn write_atomically(
 /// directory or write-protected.
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     let target = checked_target(path)?;
-    remove_abandoned_drafts(directory_of(&target));
-    Draft::create(&target).map(drop).map_err(|error| cannot_create(path, &error))
+    let draft = Draft::create(&target).map_err(|error| cannot_create(path, &error))?;
+    remove_abandoned_drafts(&draft);
+    Ok(())
 }
 
 /// The file that a path names, links followed, if it may be replaced.
@@ -114,7 +117,11 @@ fn cannot_create(path: &Path, error: &io::Error) -> OutputError {
 /// Beginning and end of the name of every draft.
 const DRAFT_NAME: [&str; 2] = [".translucid-", ".part"];
 
-/// A file on its way: locked while it is open, removed when dropped, unless it has been renamed.
+/// Time after which a draft that nobody has written to is abandoned, whoever wrote it: writers that stop for longer are
+/// those of machines that are gone.
+const LONGEST_PAUSE: Duration = Duration::from_secs(7 * 24 * 3600);
+
+/// A file on its way: removed when dropped, unless it has been renamed.
 struct Draft {
     path: PathBuf,
     file: Option<File>,
@@ -125,17 +132,15 @@ impl Draft {
     /// Creates a new file in the target's directory: a rename within one directory is atomic.
     fn create(target: &Path) -> io::Result<Self> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let system = system().unwrap_or_else(|| String::from("unknown"));
         loop {
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
             // The name does not grow with the target's, which may already be as long as names may be.
             let [begin, end] = DRAFT_NAME;
-            let name = format!("{begin}{}-{number}{end}", std::process::id());
+            let name = format!("{begin}{system}-{}-{number}{end}", std::process::id());
             let path = directory_of(target).join(name);
             match OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(file) if is_kept(&path, &file) => {
-                    return Ok(Self { path, file: Some(file), renamed: false });
-                }
-                Ok(_) => {}
+                Ok(file) => return Ok(Self { path, file: Some(file), renamed: false }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
@@ -143,37 +148,66 @@ impl Draft {
     }
 }
 
-/// Locks a new draft; false if another process took it for abandoned before.
-fn is_kept(path: &Path, file: &File) -> bool {
-    match file.try_lock() {
-        Ok(()) => path.exists(),
-        Err(TryLockError::WouldBlock) => false,
-        // Where there are no locks nothing is taken for abandoned either.
-        Err(TryLockError::Error(_)) => true,
+/// The start of the system's kernel and the name space of its process numbers: within both a number is one process.
+///
+/// It is unknown where Linux's `/proc` does not tell, or tells of another name space.
+fn system() -> Option<String> {
+    let own = fs::read_link("/proc/self").ok()?;
+    if own.to_str()? != std::process::id().to_string() {
+        return None;
     }
+    let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
+    let space = fs::read_link("/proc/self/ns/pid").ok()?;
+    let hexadecimal = |text: &str| text.chars().filter(char::is_ascii_hexdigit).collect::<String>();
+    // pid:[4026531836]
+    let space: String = space.to_str()?.chars().filter(char::is_ascii_digit).collect();
+    Some(format!("{}.{space}", hexadecimal(&boot)))
 }
 
-/// Removes the drafts in a directory that no process is writing. What cannot be read or removed stays.
-fn remove_abandoned_drafts(directory: &Path) {
-    let Ok(entries) = fs::read_dir(directory) else { return };
-    for entry in entries.flatten().filter(|entry| is_name_of_draft(&entry.file_name())) {
-        // Only a file can be one: opening a pipe of that name would not return.
-        if !entry.file_type().is_ok_and(|kind| kind.is_file()) {
-            continue;
-        }
-        let Ok(file) = OpenOptions::new().write(true).open(entry.path()) else { continue };
-        if file.try_lock().is_ok() {
+/// Removes the drafts beside a new one whose writers have ended. What cannot be read or removed stays.
+fn remove_abandoned_drafts(new: &Draft) {
+    let Ok(own) = fs::metadata(&new.path) else { return };
+    let system = system();
+    let Ok(entries) = fs::read_dir(directory_of(&new.path)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let Some((writer_system, process)) = writer(&name) else { continue };
+        let Ok(found) = entry.metadata() else { continue };
+        let has_ended = system.as_deref() == Some(writer_system) && are_of_one_user(&own, &found) && {
+            // Whatever else the answer is, the process may be there
+            matches!(Path::new(&format!("/proc/{process}")).try_exists(), Ok(false))
+        };
+        if found.is_file() && (has_ended || is_past(&found, &own)) {
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// Whether a file is named as [`Draft::create`] names them.
-fn is_name_of_draft(name: &OsStr) -> bool {
+/// Whether nothing has been written to a file for long before another one came to be, by the clock of their disk.
+fn is_past(found: &Metadata, new: &Metadata) -> bool {
+    let times = new.modified().ok().zip(found.modified().ok());
+    times.and_then(|(now, then)| now.duration_since(then).ok()).is_some_and(|pause| pause > LONGEST_PAUSE)
+}
+
+/// Whether files belong to the same user: processes of others may be hidden (`hidepid`, proc(5)).
+#[cfg(unix)]
+fn are_of_one_user(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    a.uid() == b.uid()
+}
+
+#[cfg(not(unix))]
+fn are_of_one_user(_: &Metadata, _: &Metadata) -> bool {
+    true
+}
+
+/// The system and the process that write a draft, if a file is named as [`Draft::create`] names them.
+fn writer(name: &OsStr) -> Option<(&str, u32)> {
     let [begin, end] = DRAFT_NAME;
-    let numbers = name.to_str().and_then(|name| name.strip_prefix(begin)?.strip_suffix(end)?.split_once('-'));
-    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    numbers.is_some_and(|(process, number)| is_number(process) && is_number(number))
+    let (rest, number) = name.to_str()?.strip_prefix(begin)?.strip_suffix(end)?.rsplit_once('-')?;
+    let (system, process) = rest.rsplit_once('-')?;
+    number.parse::<u32>().ok()?;
+    Some((system, process.parse().ok()?))
 }
 
 impl Drop for Draft {
@@ -277,33 +311,60 @@ mod tests {
         assert!(names(directory.path()).is_empty());
     }
 
+    /// No draft here is locked: what other machines lock looks the same.
+    #[cfg(target_os = "linux")]
     #[test]
-    fn check_removes_what_killed_processes_have_left() {
+    fn check_removes_drafts_of_ended_writers_only() {
         let directory = tempfile::tempdir().unwrap();
         let path = |name: &str| directory.path().join(name);
-        let abandoned = path(".translucid-4194305-7.part");
-        let others = [
-            ".translucid-1-2.part.txt",
-            ".translucid-x-2.part",
-            ".translucid-12.part",
-            "translucid-1-2.part",
+        let own = system().unwrap();
+        let (boot, space) = own.split_once('.').unwrap();
+        let this = std::process::id();
+        let after_the_last = 4_194_305;
+        let ended = format!(".translucid-{own}-{after_the_last}-7.part");
+        let kept = [
+            format!(".translucid-{own}-{this}-4000000000.part"),
+            format!(".translucid-{own}-1-7.part"),
+            format!(".translucid-{own}0-{after_the_last}-7.part"),
+            format!(".translucid-0{boot}.{space}-{after_the_last}-7.part"),
+            format!(".translucid-unknown-{after_the_last}-7.part"),
+            format!(".translucid-{own}-{after_the_last}-7.part.txt"),
+            format!(".translucid-{own}-{after_the_last}-x.part"),
+            format!(".translucid-{own}-x-7.part"),
+            format!(".translucid-{after_the_last}-7.part"),
         ];
-        for file in others.map(path).iter().chain([&abandoned]) {
-            fs::write(file, b"half of a pict").unwrap();
+        for name in kept.iter().chain([&ended]) {
+            fs::write(path(name), b"half of a pict").unwrap();
         }
+        fs::create_dir(path(&format!(".translucid-{own}-{after_the_last}-9.part"))).unwrap();
         let draft = Draft::create(&path("other.exr")).unwrap();
-        let (in_use, of_another) = (draft.path.clone(), path(".translucid-4194305-8.part"));
-        let held = File::create(&of_another).unwrap();
-        held.lock().unwrap();
-        fs::create_dir(path(".translucid-4194305-9.part")).unwrap();
 
         check_writable(&path("picture.exr")).unwrap();
-        assert!(!abandoned.exists());
-        assert!(in_use.exists() && of_another.exists());
-        assert!(others.map(path).iter().all(|file| file.exists()));
-        drop((draft, held));
-        check_writable(&path("picture.exr")).unwrap();
-        assert!(!in_use.exists() && !of_another.exists());
+        assert!(!path(&ended).exists());
+        assert!(draft.path.exists());
+        assert!(kept.iter().all(|name| path(name).exists()), "{:?}", names(directory.path()));
+    }
+
+    #[test]
+    fn check_removes_drafts_that_nobody_goes_on_with() {
+        let directory = tempfile::tempdir().unwrap();
+        let day = Duration::from_secs(24 * 3600);
+        for (days, is_kept) in [(0, true), (6, true), (8, false)] {
+            let path = directory.path().join(format!(".translucid-a.1-2-{days}.part"));
+            let file = File::create(&path).unwrap();
+            file.set_modified(file.metadata().unwrap().modified().unwrap() - days * day).unwrap();
+            check_writable(&directory.path().join("picture.exr")).unwrap();
+            assert_eq!(path.exists(), is_kept, "{days} days");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn writer_reads_what_draft_is_named() {
+        let directory = tempfile::tempdir().unwrap();
+        let draft = Draft::create(&directory.path().join("picture.exr")).unwrap();
+        let name = draft.path.file_name().unwrap();
+        assert_eq!(writer(name), Some((system().unwrap().as_str(), std::process::id())));
     }
 
     /// Drafts that are created while others look for abandoned ones get where they should.

@@ -31,32 +31,27 @@ const PATH_SHADERS: &[&str] = &[
     include_str!("picture/shaders/depth.wgsl"),
     include_str!("picture/shaders/instance.wgsl"),
     include_str!("picture/shaders/sampler.wgsl"),
-    include_str!("picture/shaders/surface.wgsl"),
-    include_str!("picture/shaders/interface.wgsl"),
-    include_str!("picture/shaders/facets.wgsl"),
 ];
 
+/// The laws that devices share with the processor, and the tables that they ask.
+pub const LAWS: [&str; 2] = [translucid_law::WGSL, include_str!("picture/shaders/interface.wgsl")];
+
 /// The shaders of lights, which know nothing of paths.
-pub const LIGHT_SHADERS: [&str; 14] = [
+pub const LIGHT_SHADERS: [&str; 9] = [
     include_str!("picture/shaders/light.wgsl"),
     include_str!("picture/shaders/light_selection.wgsl"),
     include_str!("picture/shaders/light_tree.wgsl"),
     include_str!("picture/shaders/light_rectangle.wgsl"),
     include_str!("picture/shaders/light_ellipse.wgsl"),
-    include_str!("picture/shaders/light_sphere.wgsl"),
-    include_str!("picture/shaders/light_spot.wgsl"),
-    include_str!("picture/shaders/light_cone.wgsl"),
-    include_str!("picture/shaders/light_beam.wgsl"),
-    include_str!("picture/shaders/light_distant.wgsl"),
     include_str!("picture/shaders/light_sky.wgsl"),
     include_str!("picture/shaders/light_triangle.wgsl"),
     include_str!("picture/shaders/light_directions.wgsl"),
     include_str!("picture/shaders/light_tables.wgsl"),
 ];
 
-/// All shaders, the constants that they share with Rust, and the formulas of directional models, which exports have.
+/// All shaders, the laws and constants that they share with Rust, and the formulas of directional models, which exports have.
 pub fn text() -> String {
-    let shaders = PATH_SHADERS.concat() + &LIGHT_SHADERS.concat();
+    let shaders = LAWS.concat() + &PATH_SHADERS.concat() + &LIGHT_SHADERS.concat();
     constants() + &shaders + &translucid_export::directional_formulas()
 }
 

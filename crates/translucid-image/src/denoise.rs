@@ -20,6 +20,7 @@ use libloading::{Error as LibraryError, Library};
 use no_libraries::{Library, LibraryError};
 
 use crate::picture::finite_single;
+use crate::python_packages::package_folders;
 use crate::{OutputError, Picture};
 
 /// The environment variable with the path of the library, or of the folder that it is in.
@@ -77,34 +78,40 @@ type SetImage =
 /// Open Image Denoise, opened and ready.
 pub struct Denoiser {
     interface: Interface,
+    name: String,
 }
 
 impl fmt::Debug for Denoiser {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Denoiser").finish_non_exhaustive()
+        f.debug_struct("Denoiser").field("name", &self.name).finish_non_exhaustive()
     }
 }
 
 impl Denoiser {
-    /// Opens the library that [`DENOISER_VARIABLE`] names, or else the system's.
+    /// Opens the library that [`DENOISER_VARIABLE`] names and no other; where that is not set, the system's, or else that of the
+    /// Python package pyoidn, in the first of the folders of packages that has it.
     ///
     /// # Errors
-    /// There is none, or it is another library.
+    /// There is none, it is another library, or it has no device for this processor.
     pub fn load() -> Result<Self, OutputError> {
-        match env::var_os(DENOISER_VARIABLE) {
-            Some(path) if !path.is_empty() => Self::load_from(Path::new(&path)),
-            _ => {
-                let mut failures = Vec::new();
-                for name in NAMES {
-                    match open(Path::new(name)) {
-                        Ok(library) => return Self::from_library(library, name),
-                        Err(error) => failures.push(reason(&error)),
-                    }
-                }
-                let tried = failures.join("; ");
-                Err(not_found(format!("there is no library to denoise with: {tried}")))
+        if let Some(path) = env::var_os(DENOISER_VARIABLE).filter(|path| !path.is_empty()) {
+            return Self::load_from(Path::new(&path));
+        }
+        let folders: Vec<PathBuf> = package_folders().into_iter().filter(|folder| folder.is_dir()).collect();
+        let system = NAMES.iter().map(|name| (PathBuf::from(name), "the system's"));
+        let packaged = folders.iter().filter_map(|folder| Some((library_of_pyoidn(folder)?, "pyoidn")));
+        let mut failures = Vec::new();
+        for (path, origin) in system.chain(packaged) {
+            match Self::open(&path, origin) {
+                Ok(denoiser) => return Ok(denoiser),
+                Err(fault) => failures.push(fault),
             }
         }
+        if failures.len() == NAMES.len() {
+            let folders: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
+            failures.push(format!("Python's packages have no pyoidn, in [{}]", folders.join(", ")));
+        }
+        Err(not_found(format!("there is no library to denoise with: {}", failures.join("; "))))
     }
 
     /// Opens the library at a path, or in a folder.
@@ -121,28 +128,44 @@ impl Denoiser {
         if !file.is_file() {
             return Err(wrong("there is no such library"));
         }
-        // Packages have the library of threads beside it, under a name that the loader alone would not find.
-        if let Some(threads) = file.parent().and_then(|folder| library_in(folder, "tbb"))
-            && let Ok(library) = open(&threads)
-        {
-            std::mem::forget(library);
-        }
         // Of a bare name the loader would look in the system's folders only
         let file = std::path::absolute(&file).unwrap_or(file);
-        let library = open(&file).map_err(|error| {
-            // The loader names the file, too
-            let reason = reason(&error);
-            wrong(reason.strip_prefix(&format!("{}: ", file.display())).unwrap_or(&reason))
-        })?;
-        Self::from_library(library, &file.display().to_string())
+        Self::open(&file, DENOISER_VARIABLE).map_err(|fault| {
+            let fault = fault.strip_prefix(&format!("{}: ", file.display())).unwrap_or(&fault);
+            wrong(fault)
+        })
     }
 
-    fn from_library(library: Library, name: &str) -> Result<Self, OutputError> {
+    /// Opens a library by its path, or the system's by a bare name; the error names the file.
+    fn open(file: &Path, origin: &str) -> Result<Self, String> {
+        // Packages have the library of threads beside it, under a name that the loader alone would not find.
+        let threads =
+            file.parent().filter(|_| file.is_absolute()).and_then(|folder| library_in(folder, "tbb"));
+        if let Some(Ok(library)) = threads.map(|threads| open(&threads)) {
+            std::mem::forget(library);
+        }
+        let about = |fault: &str| {
+            // The loader names the file, too
+            let name = format!("{}: ", file.display());
+            format!("{name}{}", fault.strip_prefix(&name).unwrap_or(fault))
+        };
+        let library = open(file).map_err(|error| about(&reason(&error)))?;
+        Self::from_library(library, origin).map_err(|fault| about(&fault))
+    }
+
+    fn from_library(library: Library, origin: &str) -> Result<Self, String> {
         let interface = Interface::new(&library)
-            .map_err(|missing| not_found(format!("{name} is not Open Image Denoise: it has no {missing}")))?;
+            .map_err(|missing| format!("it is not Open Image Denoise: it has no {missing}"))?;
         // Its threads may outlive the last call, so it stays until the process ends.
         std::mem::forget(library);
-        Ok(Self { interface })
+        let version = Device::new(&interface, 1).map_err(|error| error.message)?.version();
+        Ok(Self { interface, name: format!("{version} ({origin})") })
+    }
+
+    /// The library's name and version, and where it was found: "Open Image Denoise 2.5.1 (pyoidn)".
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Denoises a picture, on `threads` threads or, if that is 0, as many as there are.
@@ -200,16 +223,33 @@ mod no_libraries {
 /// The error of a library that is not there, or is another one.
 fn not_found(message: String) -> OutputError {
     OutputError::without_file(message).with_help(format!(
-        "install Open Image Denoise (https://www.openimagedenoise.org; pip install pyoidn has it, too, in its folder \
-         oidn/lib), or set {DENOISER_VARIABLE} to the path of its library or of the folder"
+        "pip install pyoidn, or set {DENOISER_VARIABLE} to the path of the library of Open Image Denoise \
+         (https://www.openimagedenoise.org) or of its folder"
     ))
 }
 
+/// The library that the package pyoidn has brought into a folder of packages.
+fn library_of_pyoidn(packages: &Path) -> Option<PathBuf> {
+    let inner = if cfg!(target_os = "windows") { "bin" } else { "lib" };
+    library_in(&packages.join("pyoidn").join("oidn").join(inner), "OpenImageDenoise")
+}
+
 /// Opens a library, which runs its initializers.
+#[cfg(not(windows))]
 fn open(path: &Path) -> Result<Library, LibraryError> {
     // SAFETY: initializers are code that the user has chosen to run, by name or by installing it, as any
     // library that a program links to; those of Open Image Denoise and TBB have no preconditions.
     unsafe { Library::new(path) }
+}
+
+/// Opens a library, which runs its initializers; those that it needs are looked for beside it.
+#[cfg(windows)]
+fn open(path: &Path) -> Result<Library, LibraryError> {
+    use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library};
+    // The system takes the flag with absolute paths only
+    let flags = if path.is_absolute() { LOAD_WITH_ALTERED_SEARCH_PATH } else { 0 };
+    // SAFETY: as on other systems; the flag changes where libraries are looked for.
+    unsafe { Library::load_with_flags(path, flags).map(Into::into) }
 }
 
 /// The system's words on a library that cannot be opened, such as another one that it needs.
@@ -443,8 +483,8 @@ mod tests {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     fn denoiser_that_is_another_library_is_an_error() {
         let library = open(Path::new("libm.so.6")).unwrap();
-        let error = Denoiser::from_library(library, "libm.so.6").unwrap_err();
-        assert_eq!(error.message, "libm.so.6 is not Open Image Denoise: it has no oidnNewDevice");
+        let fault = Denoiser::from_library(library, "the system's").unwrap_err();
+        assert_eq!(fault, "it is not Open Image Denoise: it has no oidnNewDevice");
     }
 
     #[test]
@@ -461,5 +501,19 @@ mod tests {
         let found = library_in(folder.path(), "OpenImageDenoise").unwrap();
         assert_eq!(found.file_name().unwrap().to_string_lossy(), name("OpenImageDenoise", ".1.4.3"));
         assert_eq!(library_in(folder.path(), "embree"), None);
+    }
+
+    #[test]
+    fn library_of_pyoidn_is_found_in_its_folder() {
+        let packages = tempfile::tempdir().unwrap();
+        assert_eq!(library_of_pyoidn(packages.path()), None);
+        let inner = if cfg!(target_os = "windows") { "bin" } else { "lib" };
+        let folder = packages.path().join("pyoidn").join("oidn").join(inner);
+        fs::create_dir_all(&folder).unwrap();
+        let name = |stem: &str| format!("{}{stem}{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+        for stem in ["OpenImageDenoise_core", "OpenImageDenoise", "tbb"] {
+            fs::write(folder.join(name(stem)), b"").unwrap();
+        }
+        assert_eq!(library_of_pyoidn(packages.path()), Some(folder.join(name("OpenImageDenoise"))));
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use ::exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
 use ::exr::block::writer::ChunksWriter;
 use ::exr::meta::BlockDescription;
-use ::exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, SampleType};
+use ::exr::meta::attribute::{AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, SampleType};
 use ::exr::meta::header::{Header, ImageAttributes};
 use ::exr::prelude::{Compression, LayerAttributes, LineOrder, SmallVec, Text, Vec2, f16};
 use miniz_oxide::deflate::compress_to_vec_zlib;
@@ -24,10 +24,19 @@ const DEFLATE_LEVEL: u8 = 1;
 /// Chunks that are compressed at once, and wait in memory to be written.
 const CHUNKS_AT_ONCE: usize = 32;
 
+/// Red, green, blue and white of ITU-R BT.709.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
+
 impl Picture<'_> {
     /// Writes all channels as an OpenEXR file of one part, ZIP-compressed.
     ///
-    /// The data window is the picture's region, the display window the whole. Values beyond a channel's range become
+    /// The data window is the picture's region, the display window the whole. The color of channels R, G, B is stated: linear
+    /// Rec. 709, or data ([`is_data`](Self::is_data)). Values beyond a channel's range become
     /// its greatest finite value, NaN becomes 0.
     ///
     /// # Errors
@@ -52,7 +61,10 @@ impl Picture<'_> {
         let header = Header::new(Text::default(), (width, height), channels)
             .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
             .with_attributes(self.attributes()?.with_position(corner))
-            .with_shared_attributes(ImageAttributes::new(display_window));
+            .with_shared_attributes(ImageAttributes {
+                chromaticities: (self.has_color() && !self.is_data).then_some(REC_709),
+                ..ImageAttributes::new(display_window)
+            });
         let rows_of_chunk = Compression::ZIP16.scan_lines_per_block();
         ::exr::block::write(out, SmallVec::from_iter([header]), true, |_, writer| {
             let tops: Vec<u32> = rows.clone().step_by(rows_of_chunk).collect();
@@ -73,12 +85,21 @@ impl Picture<'_> {
         .map_err(io::Error::other)
     }
 
-    /// The metadata as attributes of a header.
+    /// Whether there are channels R, G, B.
+    fn has_color(&self) -> bool {
+        self.indices_of(["R", "G", "B"]).is_ok()
+    }
+
+    /// The metadata as attributes of a header, and the name that the Color Interop Forum has for the color.
     fn attributes(&self) -> io::Result<LayerAttributes> {
         let text = |value: &str| Text::new_or_none(value).unwrap_or_else(|| Text::from("?"));
         let mut attributes = LayerAttributes::default();
         if !self.software.is_empty() {
             attributes.software_name = Some(text(&self.software));
+        }
+        if self.has_color() {
+            let name = if self.is_data { "data" } else { "lin_rec709_scene" };
+            attributes.other.insert(Text::from("colorInteropID"), AttributeValue::Text(Text::from(name)));
         }
         for (name, value) in &self.metadata {
             let value = match value {
@@ -216,6 +237,21 @@ mod tests {
         assert_eq!(note("count"), AttributeValue::I32(-5));
         assert_eq!(note("time"), AttributeValue::F64(1.25));
         assert_eq!(note("never"), AttributeValue::F64(0.0));
+    }
+
+    /// <https://github.com/AcademySoftwareFoundation/ColorInterop>: names of color spaces.
+    #[test]
+    fn exr_states_its_color() {
+        let stated = |names: &[&str], is_data: bool| {
+            let channels = names.iter().map(|name| PictureChannel::half(name)).collect();
+            let image = read_back(&numbered([3, 2], channels).with_data(is_data));
+            let id = image.layer_data.attributes.other.get(&Text::new_or_panic("colorInteropID")).cloned();
+            (image.attributes.chromaticities, id)
+        };
+        let id = |name: &str| Some(AttributeValue::Text(Text::new_or_panic(name)));
+        assert_eq!(stated(&["R", "G", "B", "albedo.R"], false), (Some(REC_709), id("lin_rec709_scene")));
+        assert_eq!(stated(&["R", "G", "B"], true), (None, id("data")));
+        assert_eq!(stated(&["Y"], false), (None, None));
     }
 
     #[test]

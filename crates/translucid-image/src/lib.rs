@@ -24,10 +24,12 @@ mod exr;
 mod picture;
 mod pixel_rect;
 mod png;
+mod python_packages;
 
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
 pub use pixel_rect::PixelRect;
 pub use png::{CodedPicture, DisplayTransform, Encoding};
+pub use python_packages::import_packages_from;
 pub use translucid_display::{ToneMapping, display_from_linear};
 pub use translucid_files::OutputError;

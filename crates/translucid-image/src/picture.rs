@@ -34,6 +34,8 @@ pub struct Picture<'a> {
     pub channels: Vec<PictureChannel>,
     /// Program that has made the picture, with its version.
     pub software: String,
+    /// Whether channels R, G, B are numbers, and not a color in linear Rec. 709 as OpenEXR files state it.
+    pub is_data: bool,
     /// Further notes about the making, by name.
     pub metadata: Vec<(String, MetadataValue)>,
     fill_row: Box<FillRow<'a>>,
@@ -54,6 +56,7 @@ impl<'a> Picture<'a> {
             whole: size,
             channels,
             software: String::new(),
+            is_data: false,
             metadata: Vec::new(),
             fill_row: Box::new(fill_row),
         }
@@ -65,6 +68,12 @@ impl<'a> Picture<'a> {
     #[must_use]
     pub fn within(self, region: PixelRect, whole: [u32; 2]) -> Self {
         Self { region, whole, ..self }
+    }
+
+    /// The picture, whose channels R, G, B are no color, or one of another space, if that is so.
+    #[must_use]
+    pub fn with_data(self, is_data: bool) -> Self {
+        Self { is_data, ..self }
     }
 
     /// Adds what is known of the making.

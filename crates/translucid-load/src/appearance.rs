@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use translucid_scene::{Material, Object, Place, Scene, Warning};
+use translucid_scene::{Image, Material, Object, Place, Scene, Warning};
 
 use crate::mesh_file::MeshFile;
 use crate::model::is_gltf;
@@ -39,6 +39,20 @@ pub(super) fn warn_of_appearance(scene: &Scene, path: &Path, warnings: &mut Vec<
     }
 }
 
+/// Warns of an environment's image that is not twice as wide as high, which a whole panorama is.
+pub fn warn_of_panorama(image: &Image, warnings: &mut Vec<Warning>) {
+    let [width, height] = [image.width, image.height];
+    // Others round edges
+    if (f64::from(width) - 2.0 * f64::from(height)).abs() <= 0.01 * f64::from(width) + 1.0 {
+        return;
+    }
+    let message = format!(
+        "the environment has {width} x {height} pixels, but a panorama is twice as wide as high: it is stretched over all \
+         directions"
+    );
+    warnings.push(Warning { message, place: image.path.as_deref().map(Place::file) });
+}
+
 /// Whether there is nothing of a surface.
 fn is_absent(material: &Material) -> bool {
     material.geometry_opacity.factor == 0.0
@@ -53,8 +67,9 @@ fn is_clear(material: &Material) -> bool {
         && material.base_metalness.factor == 0.0
         && material.coat_weight.factor == 0.0
         && material.emission_luminance == 0.0
-        && material.transmission_color.texture.is_none()
-        && material.transmission_color.factor.min_element() >= 1.0
+        && [&material.transmission_color, &material.transmission_tint]
+            .iter()
+            .all(|color| color.texture.is_none() && color.factor.min_element() >= 1.0)
 }
 
 fn has_pictures(material: &Material) -> bool {
@@ -86,7 +101,7 @@ pub(super) fn warn_of_darkened(model: &MeshFile, path: &Path, warnings: &mut Vec
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use translucid_scene::{ColorInput, Mesh, ScalarInput, TextureRef};
+    use translucid_scene::{ColorInput, ColorSpace, Mesh, Pixels, ScalarInput, TextureRef};
 
     use super::*;
 
@@ -99,9 +114,28 @@ mod tests {
     }
 
     fn textured() -> ColorInput {
-        let texture =
-            TextureRef { image: 0, image_from_uv: glam::Affine2::IDENTITY, wrap: Default::default() };
-        ColorInput { texture: Some(texture), ..ColorInput::constant(Vec3::ONE) }
+        ColorInput { texture: Some(TextureRef::new(0)), ..ColorInput::constant(Vec3::ONE) }
+    }
+
+    #[test]
+    fn panoramas_that_are_not_twice_as_wide_as_high_are_told_of() {
+        let told = |width: u32, height: u32| {
+            let pixels = Pixels::Byte(vec![[0; 4]; (width * height) as usize]);
+            let color_space = ColorSpace::Srgb;
+            let mut warnings = Vec::new();
+            let image = Image { name: "a".into(), path: None, width, height, color_space, pixels };
+            warn_of_panorama(&image, &mut warnings);
+            warnings.iter().map(ToString::to_string).collect::<String>()
+        };
+        for [width, height] in [[64, 32], [2, 1], [65, 32], [400, 201]] {
+            assert_eq!(told(width, height), "", "{width} x {height}");
+        }
+        for [width, height] in [[64, 64], [60, 40], [300, 100], [32, 64]] {
+            assert!(
+                told(width, height).contains(&format!("has {width} x {height} pixels")),
+                "{width} x {height}"
+            );
+        }
     }
 
     #[test]

@@ -10,24 +10,25 @@ use translucid_scene::{
     Unit, Warning,
 };
 
-use super::extent::warn_of_extent;
+use super::extent::{warn_of_extent, warn_of_meters};
 use super::mesh_file::{MeshFile, NamedCamera};
-use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
+use super::orientation::{Orientation, UpAxis, axis_of_underside, turn_model, turn_objects};
 use super::{Floor, LoadOptions};
 use crate::appearance::warn_of_darkened;
 use crate::loading::Loading;
 use crate::model::{is_gltf, load_model};
+use crate::result::Result;
 use crate::stage::{BackdropShape, Stage};
 
 /// Material of a mesh without its own where no preset is asked for.
 const DEFAULT_PRESET: &str = "marble";
 
-/// Makes a scene of a mesh file.
+/// Makes a scene of a mesh file, and says how the mesh is turned in it.
 pub(super) fn load_bare_mesh(
     path: &Path,
     options: &LoadOptions,
     loading: &mut Loading<'_>,
-) -> Result<Scene, SceneError> {
+) -> Result<(Scene, Orientation)> {
     if !options.mesh_overrides.is_empty() {
         let message = format!("{} is a mesh itself, so no mesh in it can be replaced", path.display());
         return Err(SceneError::new(message).with_help("mesh paths are for scene files"));
@@ -49,6 +50,9 @@ pub(super) fn load_bare_mesh(
     let place = Place::file(path);
     let advice = |unit: Unit| format!("--unit {}", unit.name());
     warn_of_extent((&model.objects, &model.materials), [unit; 2], advice, &place, loading.warnings);
+    if is_gltf(path) && options.unit.is_none() {
+        warn_of_meters((&model.objects, &model.materials), &place, loading.warnings);
+    }
     let up = up_axis(path, &model, options, loading.warnings);
     turn_model(&mut model, up.rotation());
     let origin = up.rotation().as_dmat3() * model.origin;
@@ -56,21 +60,32 @@ pub(super) fn load_bare_mesh(
         .finish(Scene { origin, ..stage(model, unit, options).map_err(|error| error.or_at(path))? })
         .map_err(|error| error.or_at(path))?;
     options.surroundings.apply(&mut scene, loading)?;
-    Ok(scene)
+    Ok((scene, Orientation { up, rotate: options.rotate }))
 }
 
 /// The axis that points up: the requested one, that of the format, or a guess with a warning.
 fn up_axis(path: &Path, model: &MeshFile, options: &LoadOptions, warnings: &mut Vec<Warning>) -> UpAxis {
-    match options.up {
-        Some(axis) => axis,
-        None if is_gltf(path) || !stands_along_z(&model.objects) => UpAxis::Y,
-        None => {
-            let message =
-                "the mesh stands on the plane z = 0, so z is taken for up: --up z says so, --up y not";
-            warnings.push(Warning { message: message.into(), place: Some(Place::file(path)) });
-            UpAxis::Z
-        }
+    if let Some(axis) = options.up {
+        return axis;
     }
+    if is_gltf(path) {
+        return UpAxis::Y;
+    }
+    let shown = axis_of_underside(&model.objects);
+    let message = match shown {
+        Some(UpAxis::Y) => return UpAxis::Y,
+        Some(axis) => {
+            let name = axis.name();
+            format!(
+                "the mesh has a flat underside across {name}, so {name} is taken for up: --up {name} says so, --up y not"
+            )
+        }
+        None => String::from(
+            "y is taken for up: say --up z if the mesh lies, or --up y (in a scene file by the key up)",
+        ),
+    };
+    warnings.push(Warning { message, place: Some(Place::file(path)) });
+    shown.unwrap_or(UpAxis::Y)
 }
 
 /// The preset's substance for all objects, opacity included; what pictures in the file say of their geometry stays.
@@ -108,7 +123,7 @@ fn use_vertex_colors(model: &mut MeshFile) {
 }
 
 /// Adds what the file does not have: a camera, lights, and where both are missing a backdrop.
-fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Result<Scene, SceneError> {
+fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Result<Scene> {
     let film = options.film(Film::default());
     let aspect = f64::from(film.width) / f64::from(film.height);
     let own = NamedCamera::choose(&model.cameras, options.camera.as_deref())?;
@@ -310,6 +325,28 @@ mod tests {
         let (apex, _) = load(&LoadOptions { up: Some(UpAxis::Z), rotate, ..LoadOptions::default() });
         // About the middle of the box, at half the height.
         assert!(apex.abs_diff_eq(Vec3::new(0.0, 1.5, 1.5), 1e-5), "{apex}");
+    }
+
+    #[test]
+    fn mesh_that_shows_no_underside_is_told_of_unless_its_axis_is_known() {
+        // Without its base the pyramid has no flat side.
+        let pointed = STANDING.replace("f 1 3 2\nf 1 4 3\n", "").replace("0 0 3", "0.5 0.5 3");
+        let (folder, path) = file("a.obj", &pointed);
+        let messages = |path: &Path, up: Option<UpAxis>| {
+            let mut warnings = Vec::new();
+            load_scene(path, &LoadOptions { up, ..LoadOptions::default() }, &mut warnings).unwrap();
+            let messages = warnings.into_iter().map(|warning| warning.message);
+            messages.filter(|message| message.contains("taken for up")).collect::<Vec<_>>()
+        };
+        let expected =
+            "y is taken for up: say --up z if the mesh lies, or --up y (in a scene file by the key up)";
+        assert_eq!(messages(&path, None), [expected]);
+        assert_eq!(messages(&path, Some(UpAxis::Y)), [""; 0]);
+        let scene = folder.path().join("a.toml");
+        for (text, count) in [("extends = 'a.obj'\n", 1), ("extends = 'a.obj'\nup = 'y'\n", 0)] {
+            std::fs::write(&scene, text).unwrap();
+            assert_eq!(messages(&scene, None).len(), count, "{text}");
+        }
     }
 
     #[test]

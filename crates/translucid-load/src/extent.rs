@@ -11,6 +11,10 @@ const SMALLEST: f64 = 10.0;
 /// Longest edge of a mesh's box beyond which its unit is doubted [mm].
 const LARGEST: f64 = 1e5;
 
+/// Mean free paths across a surface beyond which none of the light under it is seen: of a picture of the whole, 1500 pixels
+/// wide, ten lie in a pixel.
+const DULLEST: f64 = 1.5e4;
+
 /// Typical size of rendered objects [mm].
 const USUAL: f64 = 150.0;
 
@@ -35,17 +39,47 @@ pub(super) fn warn_of_extent(
         _ if extent > LARGEST => String::new(),
         _ => return,
     };
-    let is_small = !suspicion.is_empty();
-    let in_unit = |other: Unit| extent * other.in_millimeters() / file_unit.in_millimeters();
     let others = Unit::WORDS.into_iter().map(|(_, other)| other);
-    let better = others.filter(|&other| (in_unit(other) > extent) == is_small && other != file_unit);
-    let doubt = |other: &Unit| libm::log(in_unit(*other) / USUAL).abs();
-    let question = match better.min_by(|a, b| doubt(a).total_cmp(&doubt(b))) {
+    let others = others.filter(|&other| {
+        (other.in_millimeters() > file_unit.in_millimeters()) != suspicion.is_empty() && other != file_unit
+    });
+    let in_unit = |other: &Unit| extent * other.in_millimeters() / file_unit.in_millimeters();
+    let doubt = |other: &Unit| libm::log(in_unit(other) / USUAL).abs();
+    let question = match others.min_by(|a, b| doubt(a).total_cmp(&doubt(b))) {
         Some(best) => format!("is it in {}? {}", best.plural(), advice(best)),
         None => String::from("is that what it should be?"),
     };
     let message = format!("the mesh is {} across{suspicion}: {question}", shown(extent));
     warnings.push(Warning { message, place: Some(place.clone()) });
+}
+
+/// Warns of meshes in meters, as glTF's are, that are so large beside their mean free paths that millimeters are meant: CAD
+/// programs write them so.
+///
+/// A large scene in which one thing is translucent is none of them.
+pub(super) fn warn_of_meters(
+    (objects, materials): (&[Object], &[Material]),
+    place: &Place,
+    warnings: &mut Vec<Warning>,
+) {
+    let extent = |objects: &[Object]| {
+        let (low, high) = bounds(objects);
+        f64::from((high - low).max_element())
+    };
+    let whole = extent(objects);
+    let is_dull = |object: &Object| {
+        let length = shortest_mean_free_path(std::slice::from_ref(object), materials);
+        length.is_none_or(|length| extent(std::slice::from_ref(object)) > DULLEST * length)
+    };
+    let Some(length) = shortest_mean_free_path(objects, materials) else { return };
+    if whole * Unit::Meter.in_millimeters() <= LARGEST && objects.iter().all(is_dull) {
+        let [whole, length] = [whole, length].map(|length| shown(length * Unit::Meter.in_millimeters()));
+        let message = format!(
+            "the mesh is {whole} across, too large beside its mean free path of {length} for light under its surface to be \
+             seen: is it in millimeters? --unit mm (--unit m keeps it)"
+        );
+        warnings.push(Warning { message, place: Some(place.clone()) });
+    }
 }
 
 /// The least, over the objects that light goes under, of their materials' longest mean free path in any channel.
@@ -141,6 +175,47 @@ mod tests {
             (25.0, Unit::Centimeter),
         ] {
             assert_eq!(said(extent, unit, 0.46), None, "{extent} {unit:?}");
+        }
+    }
+
+    /// A box of 10 mm of CadQuery, whose GLB is 10 m wide; statues, and a room with a candle, are as large as they are.
+    #[test]
+    fn meshes_whose_millimeters_are_called_meters_are_doubted() {
+        let said = |sizes: &[(f32, f32)]| {
+            let object = |(material, &(extent, _)): (usize, &(f32, f32))| {
+                let positions = vec![Vec3::ZERO, Vec3::new(extent, 0.0, 0.0), Vec3::new(0.0, extent, 0.0)];
+                let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
+                Object { mesh: mesh.into(), material, ..Object::default() }
+            };
+            let material = |&(_, length): &(f32, f32)| Material {
+                subsurface_weight: ScalarInput::constant(if length > 0.0 { 1.0 } else { 0.0 }),
+                subsurface_radius: ScalarInput::constant(length),
+                subsurface_radius_scale: translucid_scene::ColorInput::constant(Vec3::ONE),
+                ..Material::default()
+            };
+            let objects: Vec<Object> = sizes.iter().enumerate().map(object).collect();
+            let materials: Vec<Material> = sizes.iter().map(material).collect();
+            let mut warnings = Vec::new();
+            let place = Place::part(std::path::Path::new(""), "a");
+            warn_of_meters((&objects, &materials), &place, &mut warnings);
+            warnings.pop().map(|warning| warning.message)
+        };
+        let message = said(&[(10.0, 4.6e-4)]).unwrap();
+        assert!(
+            message.starts_with(
+                "the mesh is 10 m across, too large beside its mean free path of 0.46 mm for light"
+            ) && message.contains("is it in millimeters? --unit mm"),
+            "{message}"
+        );
+        assert!(said(&[(10.0, 4.6e-4), (9.0, 0.0)]).is_some());
+        for sizes in [
+            &[(5.17, 4.6e-4)][..],
+            &[(10.0, 0.0)],
+            &[(30.0, 4.6e-4), (0.2, 4.6e-4)],
+            &[(12.0, 1.3e-3)],
+            &[(200.0, 1e-3)],
+        ] {
+            assert_eq!(said(sizes), None, "{sizes:?}");
         }
     }
 

@@ -5,6 +5,8 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use crate::result::Result;
+
 use translucid_scene::{Place, SceneError};
 
 /// Contents by the files' names.
@@ -27,7 +29,7 @@ pub(crate) fn is_file(path: &Path) -> bool {
 ///
 /// # Errors
 /// It was not given.
-pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>> {
     let missing = || SceneError::at(Place::file(path), "cannot be read: it was not opened with the others");
     with(path, |content| content.cloned()).ok_or_else(missing)
 }

@@ -14,6 +14,7 @@
 
 mod appearance;
 mod bare_mesh;
+mod bodies;
 mod creases;
 mod extent;
 mod file;
@@ -38,6 +39,7 @@ mod ply;
 mod polygon;
 mod primaries;
 mod profile_table;
+mod result;
 mod shared_mesh;
 mod stage;
 mod still_life;
@@ -48,21 +50,24 @@ mod viewpoint;
 mod watch;
 mod weld;
 mod winding;
+mod writer;
 
+pub use appearance::warn_of_panorama;
+pub use file::nearest_file;
 #[cfg(target_family = "wasm")]
 pub use given_files::give_file;
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image, load_plain_image};
-pub use load_scene::load_scene;
+pub use load_scene::{load_oriented, load_scene};
 pub use materialx::parse_materialx;
 pub use mesh_file::{MeshFile, NamedCamera};
 pub use obj::{load_obj, parse_obj};
 pub use options::{Floor, LoadOptions, Surroundings};
-pub use orientation::UpAxis;
+pub use orientation::{Orientation, UpAxis};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use still_life::still_life;
 pub use stl::{load_stl, parse_stl};
-pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile, load_toml};
+pub use toml::{ExtendedBase, MeshBase, Piece, SceneBuilder, SceneFile, load_toml, name_after_preset};
 pub use viewpoint::Viewpoint;
 pub use watch::{LoadProgress, LoadWatch};

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use translucid_scene::{SceneError, Warning};
+use translucid_scene::Warning;
 
 use crate::file::read_file;
+use crate::result::Result;
 use crate::watch::LoadWatch;
 
 /// The context of one load, which every reader of files below it gets.
@@ -32,7 +33,7 @@ impl<'a> Loading<'a> {
     ///
     /// # Errors
     /// As [`read_file`].
-    pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>, SceneError> {
+    pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>> {
         let content = read_file(path)?;
         self.files.insert(path.to_owned());
         Ok(content)

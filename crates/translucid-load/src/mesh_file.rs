@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::result::Result;
+
 use glam::{Affine3A, DVec3, Vec3};
 use translucid_profile::nearest;
 use translucid_scene::{Camera, Image, Interval, Light, Material, Object, Projection, SceneError};
@@ -17,7 +19,8 @@ pub struct MeshFile {
     /// A glTF file has one for each primitive of each node's mesh, named after the node, else the mesh; those of one
     /// node share a [`subsurface_group`](Object::subsurface_group).
     /// An OBJ file has one for each object (or, without objects, group) and material, named after the object, else the
-    /// file; those of one name share a group, so that a change of material does not stop light.
+    /// file; those of one name share a subsurface group, so that a change of material does not stop light, and so do
+    /// groups of one surface.
     pub objects: Vec<Object>,
     /// Materials that [`Object::material`] refers to; empty if the file has none at all.
     ///
@@ -48,7 +51,7 @@ impl NamedCamera {
     ///
     /// # Errors
     /// There is none of this name: the message lists those that there are.
-    pub(crate) fn choose<'a>(all: &'a [Self], name: Option<&str>) -> Result<Option<&'a Self>, SceneError> {
+    pub(crate) fn choose<'a>(all: &'a [Self], name: Option<&str>) -> Result<Option<&'a Self>> {
         let Some(name) = name else { return Ok(all.first()) };
         let names = || all.iter().map(|named| named.name.as_str()).filter(|name| !name.is_empty());
         all.iter().find(|named| named.name == name).map(Some).ok_or_else(|| {

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use glam::{Affine2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use translucid_scene::{
     ColorInput, ColorSpace, ImageKind, Material, Mesh, Object, Place, SceneError, TextureRef, Unit, Warning,
-    Wrap,
 };
 
 use crate::file::{extension, stem};
@@ -16,16 +15,17 @@ use crate::mesh_file::MeshFile;
 use crate::obj::read_obj;
 use crate::origin::settle;
 use crate::ply::{PlyFile, read_ply};
+use crate::result::Result;
 use crate::stl::read_stl;
 
 /// The formats of meshes, as messages list them.
 pub(crate) const MESHES: &str = ".glb, .gltf, .obj, .ply or .stl";
 
-/// Formats of scenes and solids that other programs write.
-const FOREIGN: [&str; 17] = [
-    "3ds", "3mf", "abc", "amf", "dae", "fbx", "iges", "igs", "max", "off", "step", "stp", "usd", "usda",
-    "usdc", "usdz", "x3d",
-];
+/// Formats of scenes that other programs write.
+const SCENES: [&str; 10] = ["3ds", "abc", "dae", "fbx", "max", "usd", "usda", "usdc", "usdz", "x3d"];
+
+/// Formats of solids and bare faces; some of the programs that write them have no glTF, and Blender reads none of them.
+const SOLIDS: [&str; 8] = ["3mf", "amf", "iges", "igs", "msh", "off", "step", "stp"];
 
 /// Returns `true` if the file's extension is that of a mesh format.
 pub(crate) fn is_mesh(path: &Path) -> bool {
@@ -37,7 +37,7 @@ pub(crate) fn is_gltf(path: &Path) -> bool {
 }
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
-pub(crate) fn load_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+pub(crate) fn load_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile> {
     let mut model = read_model(path, loading).map_err(|error| with_hint(error, path, loading))?;
     settle(&mut model);
     Ok(model)
@@ -73,7 +73,7 @@ fn format_of(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile> {
     if is_gltf(path) {
         return read_gltf(path, Unit::Meter, loading);
     }
@@ -104,8 +104,11 @@ fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneE
     let formats = format!("scenes are .toml, meshes are {MESHES}");
     let help = match extension.as_str() {
         "blend" => format!("export glTF (.glb) from Blender, or render there with the extension; {formats}"),
-        other if FOREIGN.contains(&other) => {
+        other if SCENES.contains(&other) => {
             format!("export glTF (.glb) from the program that wrote it, or from Blender; {formats}")
+        }
+        other if SOLIDS.contains(&other) => {
+            format!("export STL or glTF (.glb) from the program that wrote it; {formats}")
         }
         _ => formats,
     };
@@ -116,8 +119,12 @@ fn read_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneE
 fn add_picture(model: &mut MeshFile, picture: &Path, path: &Path, loading: &mut Loading<'_>) {
     match read_image(picture, ImageKind::Color(ColorSpace::Srgb), loading) {
         Ok(image) => {
-            let texture = TextureRef { image: 0, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] };
-            let base_color = ColorInput { texture: Some(texture), ..ColorInput::constant(Vec3::ONE) };
+            let base_color =
+                ColorInput { texture: Some(TextureRef::new(0)), ..ColorInput::constant(Vec3::ONE) };
+            if model.objects.iter().any(|object| !object.mesh.colors.is_empty()) {
+                let message = "the colors of vertices and faces are left out beside the picture".into();
+                loading.warnings.push(Warning { message, place: Some(Place::file(path)) });
+            }
             model.images.push(image);
             model.materials.push(Material { name: stem(path), base_color, ..Material::default() });
         }
@@ -152,6 +159,19 @@ mod tests {
         assert_eq!(help("a.obj", b"\x89PNG"), "");
     }
 
+    #[test]
+    fn formats_that_are_not_read_are_refused_with_those_that_help() {
+        for (name, told) in [
+            ("a.off", "export STL or glTF (.glb) from the program that wrote it; "),
+            ("a.AMF", "export STL or glTF (.glb) from the program that wrote it; "),
+            ("a.3mf", "export STL or glTF (.glb) from the program that wrote it; "),
+            ("a.fbx", "export glTF (.glb) from the program that wrote it, or from Blender; "),
+        ] {
+            let error = load_model(Path::new(name), &mut Loading::unwatched(&mut Vec::new())).unwrap_err();
+            assert!(error.help.unwrap_or_default().starts_with(told), "{name}");
+        }
+    }
+
     /// As MeshLab names it.
     #[test]
     fn ply_shows_the_picture_of_its_comment() {
@@ -175,5 +195,19 @@ mod tests {
         let (model, warnings) = load();
         assert_eq!((model.images.len(), warnings.as_str()), (1, ""));
         assert!(model.materials[0].base_color.texture.is_some());
+        let lines = "property float t\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n";
+        let colored = text.replace("property float t\n", lines);
+        for (color, told) in
+            [("255 255 255", ""), ("9 9 9", "vertices and faces are left out beside the picture")]
+        {
+            let ends = ["0 0 0 0 0\n", "1 0 0 1 0\n", "0 1 0 0 1\n"];
+            let text = ends
+                .iter()
+                .fold(colored.clone(), |text, end| text.replace(end, &format!("{} {color}\n", end.trim())));
+            std::fs::write(&path, text).unwrap();
+            let (model, warnings) = load();
+            assert!(warnings.contains(told) && warnings.is_empty() == told.is_empty(), "{warnings}");
+            assert!(!model.materials[0].base_color.vertex_color);
+        }
     }
 }

@@ -4,20 +4,21 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec2, Vec3};
-use translucid_scene::{
-    Material, Object, Place, SceneError, Triangle, Warning, linear_from_srgb, repair_mesh,
-};
+use translucid_scene::{ColorInput, Material, Object, Place, SceneError, Triangle, Warning, repair_mesh};
 
 use super::MeshFile;
-use super::mtl::{ImagePool, parse_mtl};
+use super::mtl::{Beside, ImagePool, parse_mtl};
 use super::polygon::triangulate;
+use crate::bodies::join;
 use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::{is_file, stem};
 use crate::loading::Loading;
 use crate::origin::Anchor;
-use crate::vertex_colors::white_of;
+use crate::result::Result;
+use crate::vertex_colors::make_linear;
 use crate::weld::{Corner, NONE, Tables, Welder};
 use crate::winding::{reversed, warn_of_turned};
+use crate::writer::Writer;
 
 /// Loads an OBJ mesh with its material libraries and their images.
 ///
@@ -29,17 +30,19 @@ use crate::winding::{reversed, warn_of_turned};
 /// Vertex colors (`v x y z r g b` and perhaps an opacity, which is passed over) are sRGB, as MeshLab and trimesh write
 /// them; those from 0 to 255 are known by a value above 2.
 /// ZBrush writes them as comments, `#MRGB MMRRGGBB…`, behind the vertices.
+/// They multiply the materials' `Kd`, but do not count beside a `map_Kd`, with a warning, nor where all are white.
+/// Groups (`g`) whose surface goes on across an edge that they share are one body; objects (`o`) are bodies of their own.
 /// Lines, curves and free-form surfaces are passed over.
 /// A library, material or image that is missing adds a warning.
 ///
 /// # Errors
 /// The file cannot be read, a line breaks the format (the message names it), or no triangle is usable.
-pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile> {
     read_obj(path, &mut Loading::unwatched(warnings))
 }
 
 /// As [`load_obj`], as a part of a load.
-pub(crate) fn read_obj(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+pub(crate) fn read_obj(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile> {
     parse(&loading.read(path)?, path, loading)
 }
 
@@ -47,11 +50,11 @@ pub(crate) fn read_obj(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFil
 ///
 /// # Errors
 /// As [`load_obj`].
-pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile> {
     parse(bytes, path, &mut Loading::unwatched(warnings))
 }
 
-fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut file = ObjFile::default();
     let mut joined = Vec::new();
@@ -71,7 +74,7 @@ fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFil
             joined.clear();
         }
     }
-    file.into_scene(path, loading)
+    file.into_scene(bytes, path, loading)
 }
 
 /// An index that points nowhere, whatever the file still holds.
@@ -81,6 +84,8 @@ const BROKEN: u32 = u32::MAX - 1;
 #[derive(Debug)]
 struct Faces {
     name: String,
+    /// The name is that of a group.
+    is_group: bool,
     material: Option<String>,
     /// Their indices are from 0, or [`NONE`], or out of range.
     triangles: Vec<[Corner; 3]>,
@@ -224,7 +229,9 @@ impl ObjFile {
             let key = (self.object.clone(), self.material.clone());
             *self.numbers.entry(key).or_insert_with(|| {
                 let (name, material) = (self.object.clone(), self.material.clone());
-                self.faces.push(Faces { name, material, triangles: Vec::new(), smoothing: Vec::new() });
+                let is_group = !self.has_objects;
+                let (triangles, smoothing) = (Vec::new(), Vec::new());
+                self.faces.push(Faces { name, is_group, material, triangles, smoothing });
                 self.faces.len() - 1
             })
         })
@@ -249,37 +256,44 @@ impl ObjFile {
         Ok(Corner { position, uv, normal, color: position })
     }
 
-    fn into_scene(mut self, path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+    fn into_scene(mut self, bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile> {
         if self.faces.is_empty() {
             return Err(SceneError::at(Place::file(path), "has no faces: is it an OBJ mesh?"));
         }
-        self.convert_colors(path, loading.warnings);
+        make_linear(&mut self.tables.colors, &Place::file(path), loading.warnings);
         if self.slivers > 0 {
             let message = format!("faces with fewer than three corners: {} left out", self.slivers);
             loading.warnings.push(Warning { message, place: Some(Place::file(path)) });
         }
         let mut pool = ImagePool::default();
-        let mut materials = self.load_libraries(path, &mut pool, loading)?;
+        let mut materials = self.load_libraries(bytes, path, &mut pool, loading)?;
         let plain = materials.len();
+        let has_colors = !self.tables.colors.is_empty();
         let origin = self.anchor.position();
         let objects = self.build_objects(path, &materials, loading.warnings)?;
         if plain > 0 && objects.iter().any(|object| object.material == plain) {
-            materials.push(Material::default());
+            let base_color = if has_colors { ColorInput::vertex() } else { Material::default().base_color };
+            materials.push(Material { base_color, ..Material::default() });
         }
         Ok(MeshFile { origin, objects, materials, images: pool.into_images(), ..MeshFile::default() })
     }
 
     fn load_libraries(
         &self,
+        obj: &[u8],
         path: &Path,
         pool: &mut ImagePool,
         loading: &mut Loading<'_>,
-    ) -> Result<Vec<Material>, SceneError> {
+    ) -> Result<Vec<Material>> {
         let mut materials: Vec<Material> = Vec::new();
         for (line, names) in &self.libraries {
             for library in library_paths(path, names) {
                 match loading.read(&library) {
-                    Ok(bytes) => materials.extend(parse_mtl(&bytes, &library, pool, loading)?),
+                    Ok(bytes) => {
+                        let has_colors = !self.tables.colors.is_empty();
+                        let beside = Beside { writer: Writer::of_library(&bytes, obj), has_colors };
+                        materials.extend(parse_mtl(&bytes, &library, beside, pool, loading)?);
+                    }
                     Err(error) => {
                         let message = format!("material library {error}");
                         loading.warnings.push(Warning { message, place: Some(Place::line(path, *line)) });
@@ -304,24 +318,22 @@ impl ObjFile {
         path: &Path,
         materials: &[Material],
         warnings: &mut Vec<Warning>,
-    ) -> Result<Vec<Object>, SceneError> {
+    ) -> Result<Vec<Object>> {
         let lost = self.leave_out_beyond();
         warn_of_turned(self.orient(), &Place::file(path), warnings);
         self.add_normals();
         let mut welder = Welder::new(&self.tables);
         let (mut objects, mut fault) = (Vec::new(), None);
-        let mut groups = HashMap::new();
+        let bodies = self.bodies();
         // The last definition of a name counts.
         let named: HashMap<&str, usize> =
             materials.iter().enumerate().map(|(number, material)| (material.name.as_str(), number)).collect();
-        for faces in &self.faces {
+        for (faces, subsurface_group) in self.faces.iter().zip(bodies) {
             let mut mesh = welder.weld(faces.triangles.iter().copied());
             match repair_mesh(&mut mesh, &Place::file(path), warnings) {
                 Ok(()) => {
                     let name = faces.material.as_deref();
                     let material = name.and_then(|name| named.get(name)).copied().unwrap_or(materials.len());
-                    let next = groups.len() as u32; // A file's parts are far fewer than 2³².
-                    let subsurface_group = *groups.entry(&faces.name).or_insert(next);
                     let name = if faces.name.is_empty() { stem(path) } else { faces.name.clone() };
                     objects.push(Object {
                         name,
@@ -351,14 +363,6 @@ impl ObjFile {
         Ok(objects)
     }
 
-    /// Colors as they are meant.
-    fn convert_colors(&mut self, path: &Path, warnings: &mut Vec<Warning>) {
-        let colors = &mut self.tables.colors;
-        let white = white_of(colors, &Place::file(path), warnings);
-        let linear = |value: f32| linear_from_srgb((value / white).clamp(0.0, 1.0));
-        colors.iter_mut().for_each(|color| *color = color.map(linear));
-    }
-
     /// Leaves out triangles, texture coordinates and normals with an index that points nowhere; returns their numbers.
     fn leave_out_beyond(&mut self) -> [usize; 3] {
         let mut lost = [0; 3];
@@ -385,6 +389,20 @@ impl ObjFile {
             }
         }
         lost
+    }
+
+    /// For each part the number of its body: of one name, or of groups whose surface goes on from one to the other.
+    fn bodies(&self) -> Vec<u32> {
+        let mut numbers = HashMap::new();
+        let mut body_of = Vec::new();
+        for faces in &self.faces {
+            let next = numbers.len() as u32; // A file's parts are far fewer than 2³².
+            body_of.push(*numbers.entry(&faces.name).or_insert(next));
+        }
+        let groups = body_of.iter().copied().zip(&self.faces).filter(|(_, faces)| faces.is_group);
+        let groups: Vec<_> = groups.map(|(body, faces)| (body, &faces.triangles[..])).collect();
+        join(&mut body_of, &self.tables.positions, groups);
+        body_of
     }
 
     /// The positions of all triangles.
@@ -515,19 +533,19 @@ fn index(text: &[u8], count: usize) -> Result<u32, String> {
 
 #[cfg(test)]
 mod tests {
-    use translucid_scene::Mesh;
+    use translucid_scene::{Mesh, linear_from_srgb};
     use translucid_testing::mutants;
 
     use super::*;
 
-    fn parsed_at(path: &Path, text: &str) -> Result<(MeshFile, String), SceneError> {
+    fn parsed_at(path: &Path, text: &str) -> Result<(MeshFile, String)> {
         let mut warnings = Vec::new();
         let scene = parse_obj(text.as_bytes(), path, &mut warnings)?;
         let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
         Ok((scene, lines.join("\n")))
     }
 
-    fn parsed(text: &str) -> Result<(MeshFile, String), SceneError> {
+    fn parsed(text: &str) -> Result<(MeshFile, String)> {
         parsed_at(Path::new("no/such/folder/a.obj"), text)
     }
 
@@ -669,6 +687,40 @@ mod tests {
             .collect();
         assert_eq!(parts, [("a b", 1, 0), ("a b", 2, 0), ("c", 1, 0)]);
         assert!(warnings.contains("a.obj:8: there is no material \"m\""), "{warnings}");
+    }
+
+    /// ZBrush and DAZ write sets of faces as groups; Minecraft's exporters blocks.
+    #[test]
+    fn obj_groups_of_one_surface_are_one_body() {
+        let bodies = |text: &str| -> Vec<u32> {
+            parsed(text).unwrap().0.objects.iter().map(|object| object.subsurface_group).collect()
+        };
+        let cut = |line: &str| cube(|i| if i % 2 == 0 { format!("{line} part{i}\n") } else { String::new() });
+        assert_eq!(bodies(&cut("g")), [0; 3]);
+        assert_eq!(bodies(&cut("o")), [0, 1, 2]);
+        assert_eq!(bodies(&format!("o all\n{}", cut("g"))), [0]);
+        // A roof whose planes have corners of their own, at the same places
+        let roof = "v 0 0 0\nv 0 1 0\nv 2 0 -1\ng a\nf 2 1 3\nv 0 0 0\nv 0 1 0\nv -2 0 -1\ng b\nf -3 -2 -1\n";
+        assert_eq!(bodies(roof), [0, 0]);
+        // Two cubes that touch in a face, each closed, and a square apart from another
+        let second = cube(|i| if i == 0 { "g second\n".into() } else { String::new() });
+        let second: String = second
+            .lines()
+            .map(|line| match line.split_once(' ') {
+                Some(("f", rest)) => {
+                    let numbers =
+                        rest.split(' ').map(|word| (word.parse::<usize>().unwrap() + 8).to_string());
+                    format!("f {}\n", numbers.collect::<Vec<_>>().join(" "))
+                }
+                Some(("v", rest)) => format!("v {rest} \n").replacen("v 0", "v 2", 1),
+                _ => format!("{line}\n"),
+            })
+            .collect();
+        assert_eq!(bodies(&format!("g first\n{}{second}", cube(|_| String::new()))), [0, 1]);
+        let apart = "v 5 0 0\nv 6 0 0\nv 6 1 0\ng b\nf 5 6 7\n";
+        assert_eq!(bodies(&format!("g a\n{SQUARE}f 1 2 3 4\n{apart}g a\nf 1 2 3\n")), [0, 1]);
+        let corner = "v 1 -1 0\nv 2 -1 0\ng b\nf 2 5 6\n";
+        assert_eq!(bodies(&format!("g a\n{SQUARE}f 1 2 3 4\n{corner}")), [0, 1], "a corner alone");
     }
 
     #[test]

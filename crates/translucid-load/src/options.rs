@@ -11,7 +11,8 @@ use translucid_scene::{
 
 use super::image::read_image;
 use super::loading::Loading;
-use super::orientation::UpAxis;
+use super::orientation::{Orientation, UpAxis};
+use super::result::Result;
 use super::watch::LoadWatch;
 use crate::Viewpoint;
 use crate::viewpoint::turned_about_target;
@@ -30,7 +31,7 @@ pub struct LoadOptions {
     pub size: Option<[u32; 2]>,
     /// Model of the transport under all surfaces, in place of the materials' own.
     pub subsurface_model: Option<SubsurfaceModel>,
-    /// Axis of a bare mesh that points up; by default y, or z where a mesh other than glTF stands on that plane.
+    /// Axis of a bare mesh that points up; by default y, or the axis across the flat underside of a mesh other than glTF.
     pub up: Option<UpAxis>,
     /// Angles about x, then y, then z by which the objects of a bare mesh are turned about their middle \[degrees\], once
     /// y is up.
@@ -103,7 +104,7 @@ impl Surroundings {
     ///
     /// # Errors
     /// The image cannot be used, a number is out of range, or there is no environment to change.
-    pub(super) fn apply(&self, scene: &mut Scene, loading: &mut Loading<'_>) -> Result<(), SceneError> {
+    pub(super) fn apply(&self, scene: &mut Scene, loading: &mut Loading<'_>) -> Result<()> {
         if *self == Self::default() {
             return Ok(());
         }
@@ -144,7 +145,7 @@ impl LoadOptions {
     }
 
     /// The scene with the model and the zoom that are asked for, if it is valid.
-    pub(super) fn finish(&self, mut scene: Scene) -> Result<Scene, SceneError> {
+    pub(super) fn finish(&self, mut scene: Scene) -> Result<Scene> {
         if let Some(model) = self.subsurface_model {
             scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
         }
@@ -153,5 +154,12 @@ impl LoadOptions {
         }
         scene.validate()?;
         Ok(scene)
+    }
+}
+
+impl Orientation {
+    /// The loader's options with this in place of theirs.
+    pub fn apply(self, options: LoadOptions) -> LoadOptions {
+        LoadOptions { up: Some(self.up), rotate: self.rotate, ..options }
     }
 }

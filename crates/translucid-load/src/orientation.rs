@@ -105,33 +105,111 @@ pub(super) fn bounds(objects: &[Object]) -> (Vec3, Vec3) {
     boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
 }
 
-/// Returns whether z is up beyond doubt: the meshes stand on the plane z = 0 with a flat base about the origin, rise at
-/// least half as high as they are wide, and have no flat base along y.
+/// How a bare mesh is turned: first its axis up, then by angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    /// The axis of the file that points up.
+    pub up: UpAxis,
+    /// Angles about x, then y, then z by which the objects are turned about their middle, once y is up \[degrees\].
+    pub rotate: [f32; 3],
+}
+
+/// The axis that the flat underside of meshes without an axis of their own shows to be up, if one does.
 ///
-/// A relief with its back in that plane is no such mesh: it is low. Nor is a box, which could stand on either side.
-pub(super) fn stands_along_z(objects: &[Object]) -> bool {
-    const FLAT: f32 = 0.005;
+/// The underside is the largest flat side by far, below the middle, of meshes that are not low above it: a relief lies on its
+/// back, and a box could stand on each side. Meshes that could stand on the opposite end, too, such as tables, do so if
+/// that is the lower one. A flat side at the lowest y is as good as any other.
+pub(super) fn axis_of_underside(objects: &[Object]) -> Option<UpAxis> {
+    /// Least share of the box across.
+    const LEAST: f64 = 0.1;
     let (low, high) = bounds(objects);
     let extent = high - low;
     let slack = FLAT * extent.max_element();
-    let is_about_origin = |axis: usize| low[axis] < -0.1 * extent[axis] && high[axis] > 0.1 * extent[axis];
-    low.z.abs() <= slack
-        && extent.z >= 0.5 * extent.x.max(extent.y)
-        && is_about_origin(0)
-        && is_about_origin(1)
-        && base_share(objects, 2, low.z + slack, extent) > 0.1
-        && base_share(objects, 1, low.y + slack, extent) < 0.02
+    let sides = [0, 1, 2].map(|axis| Side::both(objects, axis, (low, high), slack));
+    let share = |axis: usize| sides[axis][0].share.max(sides[axis][1].share);
+    let axis = [1, 2, 0].into_iter().max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+    let largest = share(axis);
+    if largest < LEAST {
+        return None;
+    }
+    if sides[1][0].share > 0.9 * largest {
+        return Some(UpAxis::Y);
+    }
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    // What stands on the plane of zero about the origin was put there
+    let is_about_zero = |axis: usize| low[axis] < -0.1 * extent[axis] && high[axis] > 0.1 * extent[axis];
+    let was_put = low[axis].abs() <= slack && is_about_zero(u) && is_about_zero(v);
+    let least_height = if was_put { 0.5 } else { 0.75 } * extent[u].max(extent[v]);
+    if share(u).max(share(v)) > 0.5 * largest || extent[axis] < least_height {
+        return None;
+    }
+    let [lower, upper] = &sides[axis];
+    let is_upright = lower.share > 0.5 * upper.share || lower.supports((low, high), LEAST);
+    let base = if lower.share > 0.5 * upper.share { lower } else { upper };
+    base.supports((low, high), 0.0).then_some(match (axis, is_upright) {
+        (0, true) => UpAxis::X,
+        (0, false) => UpAxis::MinusX,
+        (1, true) => UpAxis::Y,
+        (1, false) => UpAxis::MinusY,
+        (_, true) => UpAxis::Z,
+        (_, false) => UpAxis::MinusZ,
+    })
 }
 
-/// Area of the triangles below a coordinate along an axis, as a share of the box's area across it.
-fn base_share(objects: &[Object], axis: usize, top: f32, extent: Vec3) -> f64 {
-    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-    let corners = objects
-        .iter()
-        .flat_map(|object| object.mesh.triangles.iter().filter_map(|triangle| object.mesh.corners(triangle)));
-    let base = corners.filter(|corners| corners.iter().all(|corner| corner[axis] <= f64::from(top)));
-    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a)[axis].abs();
-    base.map(area).sum::<f64>() / f64::from(extent[u] * extent[v]).max(f64::MIN_POSITIVE)
+/// Depth of what counts as one flat side, as a share of the longest edge of the box.
+const FLAT: f32 = 0.005;
+
+/// The triangles that lie in one side of the box.
+#[derive(Clone, Copy)]
+struct Side {
+    axis: usize,
+    /// Their area as a share of the box's across.
+    share: f64,
+    /// The box about what touches the side.
+    touching: (DVec3, DVec3),
+}
+
+impl Side {
+    /// The sides at the low and the high end of an axis.
+    fn both(objects: &[Object], axis: usize, (low, high): (Vec3, Vec3), slack: f32) -> [Self; 2] {
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut sides = [Self { axis, share: 0.0, touching: nothing }; 2];
+        let triangles = objects.iter().flat_map(|object| {
+            object.mesh.triangles.iter().filter_map(|triangle| object.mesh.corners(triangle))
+        });
+        let levels = [f64::from(low[axis] + slack), f64::from(high[axis] - slack)];
+        for corners in triangles {
+            let is_in = |corner: &DVec3| [corner[axis] <= levels[0], corner[axis] >= levels[1]];
+            for (number, side) in sides.iter_mut().enumerate() {
+                let mut is_flat = true;
+                for corner in &corners {
+                    if is_in(corner)[number] {
+                        side.touching = (side.touching.0.min(*corner), side.touching.1.max(*corner));
+                    } else {
+                        is_flat = false;
+                    }
+                }
+                if is_flat {
+                    let [a, b, c] = corners;
+                    side.share += 0.5 * (b - a).cross(c - a)[axis].abs();
+                }
+            }
+        }
+        let extent = (high - low).as_dvec3();
+        let across = (extent[(axis + 1) % 3] * extent[(axis + 2) % 3]).max(f64::MIN_POSITIVE);
+        sides.map(|side| Self { share: side.share / across, ..side })
+    }
+
+    /// Whether the middle of the box is above what touches the side, which is wide enough to stand on.
+    fn supports(&self, (low, high): (Vec3, Vec3), least: f64) -> bool {
+        let middle = 0.5 * (low + high).as_dvec3();
+        let (from, to) = self.touching;
+        let across = [(self.axis + 1) % 3, (self.axis + 2) % 3];
+        let shares = across
+            .map(|axis| (to[axis] - from[axis]) / f64::from(high[axis] - low[axis]).max(f64::MIN_POSITIVE));
+        across.iter().all(|&axis| from[axis] <= middle[axis] && middle[axis] <= to[axis])
+            && shares[0] * shares[1] > least
+    }
 }
 
 #[cfg(test)]
@@ -173,23 +251,73 @@ mod tests {
         }]
     }
 
+    /// Objects moved by a vector.
+    fn moved(mut objects: Vec<Object>, by: Vec3) -> Vec<Object> {
+        Arc::make_mut(&mut objects[0].mesh).positions.iter_mut().for_each(|p| *p += by);
+        objects
+    }
+
     #[test]
-    fn only_what_stands_on_the_plane_of_z_has_z_up() {
-        assert!(stands_along_z(&standing(UpAxis::Z, Vec3::ONE)));
-        for up in [UpAxis::X, UpAxis::Y, UpAxis::MinusY, UpAxis::MinusZ] {
-            assert!(!stands_along_z(&standing(up, Vec3::ONE)), "{up:?}");
+    fn underside_shows_any_axis_wherever_it_is() {
+        for (_, up) in UpAxis::WORDS {
+            assert_eq!(axis_of_underside(&standing(up, Vec3::ONE)), Some(up));
+            let away = moved(standing(up, Vec3::ONE), Vec3::new(0.3, -7.0, 3.0));
+            assert_eq!(axis_of_underside(&away), Some(up));
         }
-        // A relief whose back lies there.
-        assert!(!stands_along_z(&standing(UpAxis::Z, Vec3::new(1.0, 0.2, 1.0))));
-        let mut away = standing(UpAxis::Z, Vec3::ONE);
-        turn_objects(&mut away, Mat3::IDENTITY, DVec3::ZERO);
-        Arc::make_mut(&mut away[0].mesh).positions.iter_mut().for_each(|p| p.z += 0.3);
-        assert!(!stands_along_z(&away), "it floats");
-        for shape in ["box", "sphere"] {
-            let mut mesh = build_shape(shape, &ShapeParameters::new()).unwrap();
-            let lowest = mesh.bounds().0.z;
-            mesh.positions.iter_mut().for_each(|p| p.z -= lowest);
-            assert!(!stands_along_z(&[Object { mesh: mesh.into(), ..Object::default() }]), "{shape}");
+    }
+
+    #[test]
+    fn relief_is_not_taken_for_what_stands_on_its_back() {
+        // Low ones, and what is half as high as wide unless it was put on the plane of zero
+        for (height, is_sure) in [(0.2, false), (0.5, true), (0.8, true)] {
+            let relief = standing(UpAxis::Z, Vec3::new(1.0, height, 1.0));
+            assert_eq!(axis_of_underside(&relief).is_some(), is_sure, "{height}");
+            let away = axis_of_underside(&moved(relief, Vec3::splat(2.0)));
+            assert_eq!(away.is_some(), is_sure && height > 0.6, "{height}");
         }
+    }
+
+    fn built_in(shape: &str) -> Vec<Object> {
+        let mesh = build_shape(shape, &ShapeParameters::new()).unwrap();
+        vec![Object { mesh: mesh.into(), ..Object::default() }]
+    }
+
+    #[test]
+    fn what_stands_on_any_side_stays_and_what_is_round_shows_nothing() {
+        assert_eq!(axis_of_underside(&built_in("box")), Some(UpAxis::Y));
+        assert_eq!(axis_of_underside(&built_in("sphere")), None);
+        assert_eq!(axis_of_underside(&[]), None);
+    }
+
+    /// Boxes between corners.
+    fn boxes(corners: &[[Vec3; 2]]) -> Vec<Object> {
+        let object = |[low, high]: &[Vec3; 2]| {
+            let mut object = built_in("box").remove(0);
+            let (from, to) = object.mesh.bounds();
+            let place = |p: Vec3| *low + (p - from) / (to - from) * (*high - *low);
+            Arc::make_mut(&mut object.mesh).positions.iter_mut().for_each(|p| *p = place(*p));
+            object
+        };
+        corners.iter().map(object).collect()
+    }
+
+    /// A table has its large flat side above, and still stands on its legs; a bust has a square plinth.
+    #[test]
+    fn table_stands_on_its_legs_and_a_bust_on_its_plinth() {
+        let leg = |x: f32, z: f32| [Vec3::new(x, 0.0, z), Vec3::new(x + 0.05, 0.9, z + 0.05)];
+        let mut table = boxes(&[
+            [Vec3::new(0.0, 0.9, 0.0), Vec3::ONE],
+            leg(0.0, 0.0),
+            leg(0.95, 0.0),
+            leg(0.0, 0.95),
+            leg(0.95, 0.95),
+        ]);
+        assert_eq!(axis_of_underside(&table), Some(UpAxis::Y));
+        turn_objects(&mut table, UpAxis::Z.rotation().transpose(), DVec3::ZERO);
+        assert_eq!(axis_of_underside(&table), Some(UpAxis::Z));
+        let mut bust = boxes(&[[Vec3::new(-0.6, -0.2, -0.6), Vec3::new(0.6, 0.0, 0.6)]]);
+        bust.extend(standing(UpAxis::Y, Vec3::splat(1.2)));
+        turn_objects(&mut bust, UpAxis::Z.rotation().transpose(), DVec3::ZERO);
+        assert_eq!(axis_of_underside(&bust), Some(UpAxis::Z));
     }
 }

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use crate::result::Result;
+
 use glam::{Affine3A, Vec3};
-use translucid_scene::{Mesh, Object, Place, SceneError, Warning, repair_mesh};
+use translucid_scene::{Mesh, Object, Place, Warning, repair_mesh};
 
 /// A mesh of several uses, in its own space.
 #[derive(Clone, Debug)]
@@ -21,7 +23,7 @@ impl SharedMesh {
         uses: usize,
         place: &Place,
         warnings: &mut Vec<Warning>,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self> {
         let is_shared = mesh.is_worth_sharing(uses);
         // As it is when it is baked; a copy of what a file keeps is made where it must be
         if is_shared && (Arc::get_mut(&mut mesh).is_some() || mesh.validate().is_err()) {

@@ -1,7 +1,8 @@
 //! The scene that is rendered when none is given.
 
-use translucid_scene::{Scene, SceneError};
+use translucid_scene::Scene;
 
+use crate::result::Result;
 use crate::{LoadOptions, SceneFile};
 
 /// The built-in still life: a marble bust, fruit, milk in a glass, a candle and toys by a window.
@@ -17,7 +18,7 @@ use crate::{LoadOptions, SceneFile};
 /// assert!(scene.objects.iter().any(|object| object.name == "bust"));
 /// # Ok::<(), translucid_scene::SceneError>(())
 /// ```
-pub fn still_life(options: &LoadOptions) -> Result<Scene, SceneError> {
+pub fn still_life(options: &LoadOptions) -> Result<Scene> {
     SceneFile::still_life()?.load(options, &mut Vec::new())
 }
 

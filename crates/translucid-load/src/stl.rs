@@ -1,14 +1,14 @@
 //! STL meshes (3D Systems, "Stereolithography Interface Specification", 1988): binary and ascii.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use translucid_scene::{Mesh, Place, SceneError, Triangle, Warning, linear_from_srgb, repair_mesh};
+use translucid_scene::{Mesh, Place, SceneError, Warning, linear_from_srgb, repair_mesh};
 
 use crate::creases::{Smoothing, corner_normals};
 use crate::file::read_file;
 use crate::origin::{Anchor, in_file_coordinates};
+use crate::result::Result;
 use crate::weld::{Corner, NONE, Tables, Welder, distinct};
 use crate::winding::{orient, warn_of_turned};
 
@@ -30,7 +30,7 @@ const CREASE: f32 = std::f32::consts::FRAC_PI_6;
 ///
 /// # Errors
 /// The file cannot be read, breaks the format (the message names line or triangle), or has no usable triangle.
-pub fn load_stl(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+pub fn load_stl(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh> {
     parse_stl(&read_file(path)?, path, warnings)
 }
 
@@ -38,16 +38,12 @@ pub fn load_stl(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 ///
 /// # Errors
 /// As [`load_stl`].
-pub fn parse_stl(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+pub fn parse_stl(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh> {
     read_stl(bytes, path, warnings).map(|(mesh, origin)| in_file_coordinates(mesh, origin))
 }
 
 /// As [`parse_stl`], with the point from which the positions are counted.
-pub(crate) fn read_stl(
-    bytes: &[u8],
-    path: &Path,
-    warnings: &mut Vec<Warning>,
-) -> Result<(Mesh, DVec3), SceneError> {
+pub(crate) fn read_stl(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<(Mesh, DVec3)> {
     let (corners, colors) = if is_ascii(bytes) {
         (read_ascii(bytes, path)?, Vec::new())
     } else {
@@ -83,7 +79,7 @@ fn triangle_count(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes(*count) as usize)
 }
 
-fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>, SceneError> {
+fn read_binary(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>> {
     let failure = |message: String| SceneError::at(Place::file(path), message);
     let Some(count) = triangle_count(bytes) else {
         let message =
@@ -138,7 +134,7 @@ fn colors(bytes: &[u8]) -> Vec<Vec3> {
 }
 
 /// Vertices of all solids, three for each facet.
-fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>, SceneError> {
+fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>> {
     let mut corners = Vec::new();
     let mut loop_begins = 0;
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -187,18 +183,9 @@ fn read_ascii(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>, SceneError> {
 
 /// A mesh in which triangles share the vertices at the same place.
 fn join(corners: &[Vec3]) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut numbers = HashMap::new();
-    let mut number = |corner: Vec3| {
-        // 0 and −0 are the same place
-        *numbers.entry((corner + 0.0).to_array().map(f32::to_bits)).or_insert_with(|| {
-            mesh.positions.push(corner);
-            mesh.positions.len() as u32 - 1
-        })
-    };
-    let triangles: Vec<Triangle> =
-        corners.as_chunks().0.iter().map(|triangle| triangle.map(&mut number)).collect();
-    Mesh { triangles, ..mesh }
+    // 0 and −0 are the same place
+    let (positions, numbers) = distinct(corners.iter().copied(), |corner| (corner + 0.0).to_array());
+    Mesh { positions, triangles: numbers.as_chunks().0.to_vec(), ..Mesh::default() }
 }
 
 /// The mesh with normals that are smooth but across creases, at which it gets several vertices of one place, as it does
@@ -256,7 +243,7 @@ mod tests {
         (text + "endsolid\n").into_bytes()
     }
 
-    fn parsed(bytes: &[u8]) -> Result<Mesh, SceneError> {
+    fn parsed(bytes: &[u8]) -> Result<Mesh> {
         parse_stl(bytes, Path::new("a.stl"), &mut Vec::new())
     }
 

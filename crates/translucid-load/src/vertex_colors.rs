@@ -1,18 +1,25 @@
-//! The range of colors of vertices.
+//! The colors of vertices and faces of files that do not say what they are.
 
 use glam::Vec3;
-use translucid_scene::{Place, Warning};
+use translucid_scene::{Place, Warning, linear_from_srgb};
 
 /// Channel above which colors are from 0 to 255: one of those from 0 to 1 may be a little above 1.
 const LARGEST_OF_UNIT: f32 = 2.0;
 
-/// The value of a channel that is 1: that or 255, which adds a warning.
-pub(super) fn white_of(colors: &[Vec3], place: &Place, warnings: &mut Vec<Warning>) -> f32 {
+/// Makes linear colors of those of sRGB, which are from 0 to 1, or from 0 to 255 with a warning.
+///
+/// Colors that are all white are taken away: they change nothing, and programs write them where there are none.
+pub(super) fn make_linear(colors: &mut Vec<Vec3>, place: &Place, warnings: &mut Vec<Warning>) {
     let largest = colors.iter().fold(0.0, |largest: f32, color| largest.max(color.max_element()));
-    if largest <= LARGEST_OF_UNIT {
-        return 1.0;
+    let mut white = 1.0;
+    if largest > LARGEST_OF_UNIT {
+        let message = format!("vertex colors reach {largest}, so they are taken for values from 0 to 255");
+        warnings.push(Warning { message, place: Some(place.clone()) });
+        white = 255.0;
     }
-    let message = format!("vertex colors reach {largest}, so they are taken for values from 0 to 255");
-    warnings.push(Warning { message, place: Some(place.clone()) });
-    255.0
+    let linear = |value: f32| linear_from_srgb((value / white).clamp(0.0, 1.0));
+    colors.iter_mut().for_each(|color| *color = color.map(linear));
+    if colors.iter().all(|color| *color == Vec3::ONE) {
+        *colors = Vec::new();
+    }
 }

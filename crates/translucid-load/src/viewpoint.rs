@@ -1,5 +1,7 @@
 //! Directions to look from.
 
+use std::fmt;
+
 use glam::{DQuat, DVec3};
 use translucid_scene::Camera;
 
@@ -91,6 +93,16 @@ pub(crate) fn turned_about_target(camera: &Camera, degrees: f64) -> Camera {
     }
 }
 
+impl fmt::Display for Viewpoint {
+    /// The text that [`from_text`](Self::from_text) reads back.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match Self::WORDS.iter().find(|(_, viewpoint)| viewpoint == self) {
+            Some((name, _)) => f.write_str(name),
+            None => write!(f, "{},{}", self.azimuth, self.elevation),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
@@ -112,6 +124,7 @@ mod tests {
             let viewpoint = Viewpoint::from_text(text).expect(text);
             assert!(viewpoint.direction().as_vec3().abs_diff_eq(direction, 1e-6), "{text}");
             assert!(viewpoint.direction().cross(viewpoint.up()).length() > 0.1, "{text}");
+            assert_eq!(Viewpoint::from_text(&viewpoint.to_string()), Some(viewpoint), "{text}");
         }
         for text in ["", "fron", "1", "1,", ",1", "0,91", "nan,0", "0,inf", "1,2,3"] {
             assert_eq!(Viewpoint::from_text(text), None, "{text}");

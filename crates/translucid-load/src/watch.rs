@@ -4,6 +4,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use crate::result::Result;
+
 use translucid_scene::SceneError;
 
 /// Progress of loading a file.
@@ -33,7 +35,7 @@ impl LoadWatch {
     ///
     /// # Errors
     /// It shall end.
-    pub(super) fn tell(&self, done: usize, total: usize) -> Result<(), SceneError> {
+    pub(super) fn tell(&self, done: usize, total: usize) -> Result<()> {
         match self.0.as_ref().map(|hear| hear(LoadProgress { done, total })) {
             Some(ControlFlow::Break(())) => Err(SceneError::new("loading was stopped")),
             _ => Ok(()),

@@ -28,7 +28,7 @@ pub(super) fn reversed(positions: &[Vec3], triangles: &[Triangle]) -> Vec<bool> 
     if all_edges_cancel(&keys, triangles) {
         return Vec::new();
     }
-    let places = places(positions, &keys);
+    let places = places_of(&keys);
     let welded: Vec<Triangle> = triangles
         .iter()
         .map(|triangle| {
@@ -85,8 +85,13 @@ fn all_edges_cancel(keys: &[u64], triangles: &[Triangle]) -> bool {
 }
 
 /// For each vertex the first one at the same place.
-fn places(positions: &[Vec3], keys: &[u64]) -> Vec<u32> {
-    let slots = (2 * positions.len()).next_power_of_two();
+pub(super) fn places(positions: &[Vec3]) -> Vec<u32> {
+    let keys: Vec<u64> = positions.iter().map(|&position| key(position)).collect();
+    places_of(&keys)
+}
+
+fn places_of(keys: &[u64]) -> Vec<u32> {
+    let slots = (2 * keys.len()).next_power_of_two();
     let mut first_at = vec![NONE; slots];
     let of_vertex = |(i, &key): (usize, &u64)| {
         let mut slot = key as usize & (slots - 1);

@@ -17,15 +17,13 @@
 //! There the light of the card may be its own or stray light: intervals hold both, and all between.
 //! They hold, too, that the scale of reflectances has errors, and that uneven light may be bent.
 
-use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::f64::consts::FRAC_1_SQRT_2;
-use std::rc::Rc;
 
 use crate::clusters::{Clusters, CommonErrors};
 use crate::detectability::is_detectable;
 use crate::edge::{Edge, EdgeModel};
 use crate::fit::{Card, ChannelFit, Fit, Outline, Scale, White};
+use crate::recent_curves::RecentCurves;
 use crate::response::Response;
 use crate::samples::Samples;
 
@@ -104,17 +102,14 @@ struct Problem<'a> {
     card: Card,
     model: EdgeModel,
     /// Edges that were asked for last, as most parameters change one channel's or none.
-    curves: RefCell<VecDeque<(Edge, Rc<Vec<f64>>)>>,
+    curves: RecentCurves<Edge>,
 }
-
-/// Edges that are kept: those of three channels, changed and unchanged.
-const KEPT: usize = 8;
 
 impl<'a> Problem<'a> {
     fn new(samples: &'a Samples, response: &'a Response, scale: Scale, card: Card) -> Option<Self> {
         let clusters = Clusters::new(samples, |_| 1.0)?;
         let model = EdgeModel::new(&samples.places, samples.pixel_width);
-        let curves = RefCell::default();
+        let curves = RecentCurves::new();
         let mut problem = Self { samples, clusters, response, scale, card, model, curves };
         if card == Card::Visible {
             let beside = BESIDE_CARD.min(problem.middle() / 2);
@@ -191,20 +186,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn curve(&self, edge: &Edge) -> Rc<Vec<f64>> {
-        let mut curves = self.curves.borrow_mut();
-        if let Some(i) = curves.iter().position(|(known, _)| known == edge)
-            && let Some(found) = curves.remove(i)
-        {
-            // Last used, last to go
-            curves.push_front(found);
-        } else {
-            curves.truncate(KEPT - 1);
-            curves.push_front((*edge, Rc::new(self.model.eval(self.response, edge))));
-        }
-        Rc::clone(&curves[0].1)
-    }
-
     /// The place at which the light's scale is known, and the reflectance of what is white; infinite where nothing is.
     fn white(&self, position: f64, c: usize) -> (f64, f64) {
         match self.scale {
@@ -258,14 +239,18 @@ impl<'a> Problem<'a> {
             let lit = |(x, light): (&f64, &f64)| gain * (1.0 + slope * (x - known)) * light;
             places.iter().zip(curve).map(lit).collect()
         };
+        let curve = |blur: f64| {
+            let edge = Edge { surface_albedo, mfp, position, blur };
+            self.curves.get(&edge, |edge| self.model.eval(self.response, edge))
+        };
         match self.card {
             Card::Hidden => {
-                let curve = self.curve(&Edge { surface_albedo, mfp, position, blur });
+                let curve = curve(blur);
                 let rest = 1.0 - stray / reflectance;
                 lit(&curve).into_iter().map(|light| stray + rest * light).collect()
             }
             Card::Visible => {
-                let curve = self.curve(&Edge { surface_albedo, mfp, position, blur: 0.0 });
+                let curve = curve(0.0);
                 let beside_card = |(x, light): (&f64, f64)| {
                     let covered = (0.5 - (x - position) / self.samples.pixel_width).max(0.0).min(1.0);
                     covered * stray + (1.0 - covered) * light

@@ -78,6 +78,7 @@ mod linear_photo;
 mod measurement;
 mod options;
 mod pile_up;
+mod recent_curves;
 mod region;
 mod remark;
 mod resolution;

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_10, PI};
 use std::sync::OnceLock;
 
 use translucid_profile::ParameterError;
-use translucid_reference::exact::{HalfSpace, SeenFromAbove, single_scattering_albedo};
+use translucid_reference::exact::{HalfSpaceTransform, SeenFromAbove, single_scattering_albedo};
 use translucid_reference::{Incidence, specular_reflectance};
 
 use crate::cubic_lagrange::lagrange_weights;
@@ -76,8 +76,8 @@ const DECADES: [f64; 2] = [-3.5, 3.0];
 const PER_DECADE: usize = 16;
 
 impl Response {
-    /// Half spaces of a relative refractive index η under light of an incidence, solved as far as they are asked for: the
-    /// whole table is 0.5 s without a boundary (η = 1) and half a minute with one, of which a fit needs a part.
+    /// Half spaces of a relative refractive index η under light of an incidence, solved as far as they are asked for: a
+    /// fit needs a part of the table, whose rows take long under a boundary.
     ///
     /// # Errors
     /// η is not in \[0.5, 3\], or a beam's cosine not in (0, 1].
@@ -219,8 +219,8 @@ impl HalfSpaces {
         Ok(match self.lighting {
             Lighting::Exitance { eta, incidence } => {
                 let alpha = single_scattering_albedo(surface_albedo, eta, incidence)?;
-                let half_space = HalfSpace::with_boundary(alpha, eta, incidence)?;
-                Row::new(|kappa| [half_space.hankel(kappa).value, 0.0])
+                let transform = HalfSpaceTransform::new(alpha, eta, incidence)?;
+                Row::new(|kappa| [transform.at(kappa), 0.0])
             }
             Lighting::Beam { angle } => {
                 let alpha = single_scattering_albedo(surface_albedo, 1.0, Incidence::NORMAL)?;
@@ -297,6 +297,7 @@ fn place_of(surface_albedo: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use translucid_profile::NormalizedDiffusion;
+    use translucid_reference::exact::HalfSpace;
 
     use super::*;
 

@@ -8,13 +8,10 @@
 //! are the same for all channels. Where v is over the spot's power, A tells the gain, too.
 //! Light that is uneven by a slope leaves the means over rings as they are.
 
-use std::cell::RefCell;
-use std::collections::VecDeque;
-use std::rc::Rc;
-
 use crate::clusters::{Clusters, CommonErrors};
 use crate::detectability::is_detectable;
 use crate::fit::{ChannelFit, Fit, Outline, Scale, White};
+use crate::recent_curves::RecentCurves;
 use crate::response::Response;
 use crate::samples::Samples;
 use crate::spot::{Spot, SpotModel};
@@ -63,11 +60,8 @@ struct Problem<'a> {
     scale: Scale,
     model: SpotModel,
     /// Spots that were asked for last, as most parameters change one channel's or none.
-    curves: RefCell<VecDeque<(Spot, Rc<Vec<f64>>)>>,
+    curves: RecentCurves<Spot>,
 }
-
-/// Spots that are kept: those of three channels, changed and unchanged.
-const KEPT: usize = 8;
 
 impl<'a> Problem<'a> {
     fn new(samples: &'a Samples, response: &'a Response, scale: Scale) -> Option<Self> {
@@ -80,7 +74,7 @@ impl<'a> Problem<'a> {
         }
         let clusters = Clusters::new(samples, count)?;
         let model = SpotModel::new(places, samples.pixel_width);
-        let problem = Self { samples, clusters, response, scale, model, curves: RefCell::default() };
+        let problem = Self { samples, clusters, response, scale, model, curves: RecentCurves::new() };
         (0..3).all(|c| problem.clusters.means[c] > problem.stray(c)).then_some(problem)
     }
 
@@ -138,20 +132,6 @@ impl<'a> Problem<'a> {
         scales
     }
 
-    fn curve(&self, spot: &Spot) -> Rc<Vec<f64>> {
-        let mut curves = self.curves.borrow_mut();
-        if let Some(i) = curves.iter().position(|(known, _)| known == spot)
-            && let Some(found) = curves.remove(i)
-        {
-            // Last used, last to go
-            curves.push_front(found);
-        } else {
-            curves.truncate(KEPT - 1);
-            curves.push_front((*spot, Rc::new(self.model.eval(self.response, spot))));
-        }
-        Rc::clone(&curves[0].1)
-    }
-
     /// The error of the reflectance's scale, which the sectors share.
     fn common_errors(&self, p: &[f64]) -> CommonErrors {
         let Scale::Reflectance(White { error, .. }) = self.scale else { return CommonErrors::default() };
@@ -169,7 +149,8 @@ impl<'a> Problem<'a> {
             None => (value, self.response.level(value, mfp)),
             Some(albedo) => (albedo, value),
         };
-        let curve = self.curve(&Spot { surface_albedo, mfp, radius: p[0].abs(), blur: p[1].abs() });
+        let spot = Spot { surface_albedo, mfp, radius: p[0].abs(), blur: p[1].abs() };
+        let curve = self.curves.get(&spot, |spot| self.model.eval(self.response, spot));
         curve.iter().map(|light| stray + gain * light).collect()
     }
 }

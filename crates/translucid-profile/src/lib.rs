@@ -82,6 +82,7 @@ mod medium;
 mod model;
 mod nearest;
 mod profile;
+mod rows;
 mod short;
 mod table;
 
@@ -119,6 +120,8 @@ pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
 pub use nearest::nearest;
 pub use profile::{Profile, Quantity};
+#[doc(hidden)]
+pub use rows::values;
 pub use table::albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
 pub use table::precision::Precision;
 pub use table::profile_rows::ProfileRow;

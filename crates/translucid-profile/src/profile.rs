@@ -168,13 +168,28 @@ pub enum Quantity {
     Sample,
 }
 
-/// Methods of [`Profile`] that a part of the type has, or the type itself, under the same names.
+/// Methods of [`Profile`] that a part of the type has, or the type itself, under the same names; with `all`, those of one that
+/// knows its shares and samples directly.
 macro_rules! methods_of {
     (|$this:ident| $part:expr; all) => {
         $crate::profile::methods_of!(
             |$this| $part; eval_times_r, eval, enclosed, pdf, pdf_area, cdf, complementary_cdf, quantile,
             quantile_complement, sample
         );
+
+        fn beyond(&self, r: f64) -> f64 {
+            let $this = self;
+            $part.surface_albedo() * $part.complementary_cdf(r)
+        }
+
+        fn surface_albedo(&self) -> f64 {
+            let $this = self;
+            $part.surface_albedo()
+        }
+
+        fn samples_directly(&self) -> bool {
+            true
+        }
     };
     (|$this:ident| $part:expr; $($method:ident),+) => {
         $(fn $method(&self, x: f64) -> f64 {

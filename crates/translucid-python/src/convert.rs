@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyFloat};
-use translucid_profile::convention::{self, CyclesMaterial, CyclesMethod, Role, System};
+use translucid_profile::convention::{self, CyclesMaterial, CyclesMethod, Role, System, Unit};
 use translucid_profile::{InputError, ParameterError};
 
 use crate::arrays::{Any, Numbers, array_like};
@@ -18,7 +18,7 @@ fn fail(error: InputError) -> PyErr {
 pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let describe = |system: &System| {
         let described = PyDict::new(py);
-        let unit = system.unit.name().unwrap_or("scene");
+        let unit = system.unit.map_or("scene", Unit::name);
         let parameters = PyDict::new(py);
         for parameter in system.parameters {
             let default = match parameter.role {

@@ -10,15 +10,23 @@ use translucid_profile::Configuration;
 use translucid_reference::layers::{Grid, LayersTally, Quantity};
 use translucid_reference::walk::Control;
 use translucid_reference::{Estimate, Incidence};
+use translucid_scene::Warning;
 use translucid_words::{Cell, Provenance};
 
 use crate::arrays::{Any, Numbers, Rule, array_like};
 use crate::ask::{Said, answer, column};
 use crate::photons::Photons;
 use crate::reference::{pool, report, with_progress};
+use crate::scene_error::warn;
 use crate::{long_work, names};
 
 const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64.next_down());
+
+/// Passes on what the answer warns of.
+fn warn_of(py: Python<'_>, messages: Vec<String>) -> PyResult<()> {
+    let warnings = messages.into_iter().map(|message| Warning { message, place: None });
+    warn(py, &warnings.collect::<Vec<_>>())
+}
 
 /// Media or a ground above and below layers.
 struct Ends<'a, 'py> {
@@ -164,6 +172,7 @@ pub(crate) fn layers<'py>(
     arguments.extend(optional.into_iter().filter_map(|(name, value)| Some((name, value?))));
     let said = Said::new(&LAYERS.keys(), &arguments)?;
     let answer = answer(py, &LAYERS, &said, threads, progress, &RENAMED)?;
+    warn_of(py, answer.warnings)?;
     let table = &answer.tables[0];
     let last = table.columns.len() - 2;
     let layers = last - 4;
@@ -239,6 +248,7 @@ pub(crate) fn layers_profile<'py>(
     arguments.extend(tolerance.map(|tolerance| ("tolerance", tolerance.clone())));
     let said = Said::new(&LAYERS.keys(), &arguments)?;
     let answer = answer(py, &LAYERS, &said, threads, progress, &RENAMED)?;
+    warn_of(py, answer.warnings)?;
     let columns = (1..5).map(|i| column(py, &said, &answer.tables[0], i, true)).collect::<PyResult<Vec<_>>>();
     named(py, "LayersProfile", columns?)
 }
@@ -334,6 +344,7 @@ pub(crate) fn layers_walk<'py>(
         let message = RENAMED.iter().fold(error.message, |text, (path, name)| text.replace(path, name));
         PyValueError::new_err(message)
     })?;
+    warn_of(py, layers.warnings())?;
     let sets = absorptions.map(|argument| absorption_sets(argument, layers.layers().len())).transpose()?;
     let grid = Grid { dr, nr, dz, nz, na: 1 };
     let (pool, done) = (pool(threads)?, AtomicU64::new(0));

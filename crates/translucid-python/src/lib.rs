@@ -34,6 +34,9 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    // A denoiser is looked for where Python would import it from
+    let path = module.py().import("sys")?.getattr("path")?;
+    translucid_image::import_packages_from(path.extract().unwrap_or_default());
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("models", translucid_profile::Model::ALL.map(translucid_profile::Model::name).to_vec())?;
     module.add_class::<profile::Profile>()?;

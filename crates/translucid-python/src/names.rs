@@ -21,18 +21,8 @@ pub(crate) fn model(name: &str) -> PyResult<Model> {
 }
 
 pub(crate) fn configuration(name: &str) -> PyResult<Configuration> {
-    match name {
-        "searchlight" => Ok(Configuration::Searchlight),
-        "diffuse" => Ok(Configuration::Diffuse),
-        _ => Err(unknown("configuration", name, &["searchlight", "diffuse"])),
-    }
-}
-
-pub(crate) fn of_configuration(configuration: Configuration) -> &'static str {
-    match configuration {
-        Configuration::Searchlight => "searchlight",
-        Configuration::Diffuse => "diffuse",
-    }
+    let known = Configuration::WORDS.map(|(word, _)| word);
+    Configuration::from_name(name).ok_or_else(|| unknown("configuration", name, &known))
 }
 
 /// An error of the library, and of many elements which it was.

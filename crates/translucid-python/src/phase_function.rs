@@ -5,9 +5,11 @@ use std::sync::Arc;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use translucid_reference::walk::{PhaseFunction, PhaseTable};
+use translucid_scene::Warning;
 
 use crate::arrays::{Any, Numbers, array_like};
 use crate::names;
+use crate::scene_error::warn;
 
 /// The phase function of an argument: words that the command knows, too, or rows of a cosine and a value.
 pub(crate) fn phase_function(name: &str, value: Option<&Any<'_>>, g: f64) -> PyResult<PhaseFunction> {
@@ -26,6 +28,9 @@ pub(crate) fn phase_function(name: &str, value: Option<&Any<'_>>, g: f64) -> PyR
     }
     let rows = numbers.broadcast(&[count, 2]).as_chunks().0.to_vec();
     let table = PhaseTable::new(rows).map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
+    let warnings =
+        table.warning().map(|warning| Warning { message: format!("{name}: {warning}"), place: None });
+    warn(value.py(), warnings.as_slice())?;
     Ok(PhaseFunction::Table(Arc::new(table)))
 }
 

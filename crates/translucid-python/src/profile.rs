@@ -123,11 +123,6 @@ impl Profile {
         let surface_albedo = Numbers::extract("surface_albedo", surface_albedo)?;
         let g = number_or("g", g, 0.0)?;
         let eta = number_or("eta", eta, 1.0)?;
-        let description = format!(
-            "Profile({:?}, {name}=…, configuration={:?})",
-            model.name(),
-            names::of_configuration(configuration)
-        );
         let arguments = [("surface_albedo", &surface_albedo), (name, &length), ("g", &g), ("eta", &eta)];
         let profiles = Profiles::new(py, arguments, |[surface_albedo, length, g, eta]| {
             let appearance = Appearance { surface_albedo, length, parameterization, g };
@@ -136,6 +131,9 @@ impl Profile {
                 ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
             })
         })?;
+        let stated = stated(&profiles, &["surface_albedo", name]);
+        let description =
+            format!("Profile({:?}, {stated}, configuration={:?})", model.name(), configuration.name());
         Ok(Self::of_model(description, model, configuration, profiles))
     }
 
@@ -188,17 +186,16 @@ impl Profile {
             (Numbers::extract("sigma_a", sigma_a)?, Numbers::extract("sigma_s", sigma_s)?);
         let g = number_or("g", g, 0.0)?;
         let eta = number_or("eta", eta, 1.0)?;
-        let description = format!(
-            "Profile.from_medium(…, model={:?}, configuration={:?})",
-            model.name(),
-            names::of_configuration(configuration)
-        );
         let arguments = [("sigma_a", &sigma_a), ("sigma_s", &sigma_s), ("g", &g), ("eta", &eta)];
         let mut profiles = Profiles::new(class.py(), arguments, |[sigma_a, sigma_s, g, eta]| {
             let medium = Medium::new(sigma_a, sigma_s, g)?;
             model.profile_of_medium(&medium, configuration, eta).map(SharedProfile::from)
         })?;
 
+        let stated = stated(&profiles, &["sigma_a", "sigma_s"]);
+        let (name, configured) = (model.name(), configuration.name());
+        let description =
+            format!("Profile.from_medium({stated}, model={name:?}, configuration={configured:?})");
         // What the media amount to
         let [sigma_a, sigma_s, g] = [0, 1, 2].map(|i| profiles.parameters[i].1.iter().copied());
         let mut derived: [Vec<f64>; 3] = Default::default();
@@ -604,7 +601,7 @@ impl Profile {
     /// How light enters; None for tables.
     #[getter]
     fn configuration(&self) -> Option<&'static str> {
-        self.configuration.map(names::of_configuration)
+        self.configuration.map(Configuration::name)
     }
 
     /// Shape of the arrays of parameters, broadcast against each other.
@@ -618,6 +615,18 @@ impl Profile {
         let shape = if shape.is_empty() { String::new() } else { format!(" of shape {shape:?}") };
         format!("<{}{shape}>", self.description)
     }
+}
+
+/// Parameters with their values, or the ranges of these.
+fn stated(profiles: &Profiles, names: &[&str]) -> String {
+    let shown = |name: &&str| {
+        let values = profiles.parameter(name).unwrap_or_default();
+        let (low, high) = values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+        if low < high { format!("{name}={low}…{high}") } else { format!("{name}={low}") }
+    };
+    names.iter().map(shown).collect::<Vec<_>>().join(", ")
 }
 
 /// Families of fits.
@@ -754,11 +763,7 @@ fn of_samples(row: &ProfileRow) -> PyResult<(String, SharedProfile)> {
 
 /// The configuration of a name; without one that for which the parameterization was fitted first.
 fn configuration_or(name: Option<&str>, parameterization: Parameterization) -> PyResult<Configuration> {
-    match (name, parameterization) {
-        (Some(name), _) => names::configuration(name),
-        (None, Parameterization::Mfp) => Ok(Configuration::Diffuse),
-        (None, Parameterization::Dmfp) => Ok(Configuration::Searchlight),
-    }
+    name.map_or(Ok(parameterization.usual_configuration()), names::configuration)
 }
 
 pub(crate) fn number_or<'py>(name: &str, given: Option<&Any<'py>>, default: f64) -> PyResult<Numbers<'py>> {

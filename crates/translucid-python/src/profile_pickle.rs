@@ -40,7 +40,7 @@ impl Origin {
             Self::Call(call) => Ok(call.bind(py).clone()),
             Self::Parameters(model, configuration) => {
                 keywords.set_item("model", model.name())?;
-                keywords.set_item("configuration", names::of_configuration(*configuration))?;
+                keywords.set_item("configuration", configuration.name())?;
                 let is_medium = profiles.parameter("sigma_a").is_some();
                 // Of media the other parameters follow
                 let count = if is_medium { 4 } else { profiles.parameters.len() };

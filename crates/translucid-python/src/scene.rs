@@ -153,7 +153,7 @@ impl Scene {
     /// subsurface : str, optional
     ///     Model of the transport under all surfaces, in place of the materials' own.
     /// up : {'x', 'y', 'z', '-x', '-y', '-z'}, optional
-    ///     Axis of a mesh that points up; by default y, or z where one that is no glTF stands on that plane.
+    ///     Axis of a mesh that points up; by default y, or the axis across the flat underside of one that is no glTF.
     /// view : str, optional
     ///     Side to look from: ``'front'``, ``'back'``, ``'left'``, ``'right'``, ``'top'``, ``'bottom'``, or
     ///     ``'azimuth,elevation'`` in degrees.
@@ -233,7 +233,7 @@ impl Scene {
     ///     ``"random-walk-rough"`` if η is above 1, or a profile where the material or the integrator asks for what walks do
     ///     not do) …; ``preset`` begins with a measured material.
     ///     Colors and scalars may be textures: an array, or a dictionary with the keys ``image`` (an array) or
-    ///     ``file``, ``factor``, ``color_space``, ``channel``, ``uv_scale``, ``uv_offset``, ``uv_rotation``, ``wrap``.
+    ///     ``file``, ``factor``, ``color_space``, ``channel``, ``uv_scale``, ``uv_offset``, ``uv_rotation``, ``wrap``, ``filter``.
     ///
     /// Raises
     /// ------

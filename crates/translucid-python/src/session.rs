@@ -301,8 +301,8 @@ impl Session {
     ///     ``'radiance'`` (linear Rec. 709, multiplied by coverage), its parts ``'diffuse'``, ``'specular'``,
     ///     ``'subsurface'``, ``'emission'`` by the last event before the camera, ``'alpha'``, and of the first
     ///     surface ``'albedo'``, ``'normal'`` (world space) and ``'depth'`` (distance in the scene's unit, 0 where there
-    ///     is none); ``'denoised'`` is the radiance without its noise, by Intel Open Image Denoise, which must be
-    ///     installed.
+    ///     is none); ``'denoised'`` is the radiance without its noise, by Intel Open Image Denoise (``pip install
+    ///     pyoidn``).
     ///
     /// Returns
     /// -------

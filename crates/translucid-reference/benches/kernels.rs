@@ -197,7 +197,6 @@ fn walk_table(rates: &Rates) -> String {
     let bound = |rate: Option<f64>| rate.map(|rate| OPERATIONS_OF_WALK / rate);
     let widest = bound(rates.single[0]);
     for (name, walker, albedo, bound) in [
-        ("scalar twin, double precision", Walker::Twin, ALBEDO, None),
         ("baseline", Walker::Baseline, ALBEDO, bound(rates.single[2])),
         ("AVX2", Walker::Avx2, ALBEDO, bound(rates.single[1])),
         ("widest", Walker::Kernel, ALBEDO, widest),

@@ -1,4 +1,4 @@
-//! CPU time of the walks' kernels, per collision and per photon, beside the scalar twin in the same run.
+//! CPU time of the walks' kernels, per collision and per photon.
 //!
 //! `cargo bench -p translucid-reference --bench walk` runs all rows, `-- 'g=0.8'` those whose name contains the
 //! word. Times are of this thread's CPU, the best of several runs, with nothing done with the exits.
@@ -34,12 +34,9 @@ fn main() {
         ),
     ] {
         for &albedo in albedos {
-            for (walker, kind) in [
-                (Walker::Kernel, "kernel"),
-                (Walker::Avx2, "AVX2"),
-                (Walker::Baseline, "baseline"),
-                (Walker::Twin, "scalar f64"),
-            ] {
+            for (walker, kind) in
+                [(Walker::Kernel, "kernel"), (Walker::Avx2, "AVX2"), (Walker::Baseline, "baseline")]
+            {
                 let row = format!("{name} {kind}");
                 if words.iter().all(|word| row.contains(word)) {
                     measure(&row, walker, &Problem::new(parameters.clone()).unwrap(), albedo);

@@ -138,6 +138,11 @@ impl PhaseFunction {
         }
     }
 
+    /// Warns of a table that is too coarse for its peak ([`PhaseTable::warning`]).
+    pub fn warning(&self) -> Option<String> {
+        if let Self::Table(table) = self { table.warning() } else { None }
+    }
+
     /// Mean cosine g = χ₁ of the deflection.
     pub fn mean_cosine(&self) -> f64 {
         self.moment(1)

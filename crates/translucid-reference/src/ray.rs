@@ -1,6 +1,5 @@
 //! Vectors, rays and deflections of the slow and obvious walks, in double precision.
 
-use crate::phase_function::PhaseFunction;
 use crate::split_mix::SplitMix;
 
 pub(crate) type Vector = [f64; 3];
@@ -13,6 +12,12 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
+    /// Light that enters a medium of a relative index of refraction, from a cosine and azimuth about the inward normal.
+    pub(crate) fn entering(position: Vector, inward: Vector, [cosine, azimuth]: [f64; 2], eta: f64) -> Self {
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt() / eta;
+        Self { position, direction: across(inward, (1.0 - sine * sine).max(0.0).sqrt(), azimuth) }
+    }
+
     /// Moves the point along the direction.
     pub(crate) fn advance(&mut self, distance: f64) {
         self.position = std::array::from_fn(|i| self.position[i] + distance * self.direction[i]);
@@ -50,30 +55,4 @@ pub(crate) fn henyey_greenstein(g: f64, random: &mut SplitMix) -> f64 {
     }
     let ratio = (1.0 - g * g) / (1.0 + g * u);
     ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
-}
-
-/// Draws the cosine of a deflection; where no formula does, from under the greatest value of p that even steps find, with
-/// some to spare.
-pub(crate) fn deflection(phase_function: &PhaseFunction, random: &mut SplitMix) -> f64 {
-    match phase_function {
-        PhaseFunction::HenyeyGreenstein { g } => henyey_greenstein(*g, random),
-        PhaseFunction::Rayleigh => rejected(1.0, random, |cosine| 0.5 * (1.0 + cosine * cosine)),
-        PhaseFunction::TwoTerm { weight, g1, g2 } => {
-            let g = if random.uniform() < *weight { *g1 } else { *g2 };
-            henyey_greenstein(g, random)
-        }
-        other => {
-            let most = (0..=64).map(|i| other.eval(f64::from(i) / 32.0 - 1.0)).fold(0.0, f64::max);
-            rejected(1.5 * most, random, |cosine| other.eval(cosine))
-        }
-    }
-}
-
-fn rejected(most: f64, random: &mut SplitMix, density: impl Fn(f64) -> f64) -> f64 {
-    loop {
-        let cosine = 2.0 * random.uniform() - 1.0;
-        if most * random.uniform() < density(cosine) {
-            return cosine;
-        }
-    }
 }

@@ -99,6 +99,13 @@ impl Image {
         mix(row(rows[0]), row(rows[1]), t)
     }
 
+    /// Linear value of the pixel whose square holds image coordinates, which count as for [`bilinear`](Self::bilinear).
+    pub fn nearest(&self, u: f32, v: f32, wrap: [Wrap; 2]) -> [f32; 4] {
+        let (columns, s) = neighbors(wrapped(u, wrap[0]), self.width, wrap[0]);
+        let (rows, t) = neighbors(1.0 - wrapped(v, wrap[1]), self.height, wrap[1]);
+        self.texel(columns[usize::from(s >= 0.5)], rows[usize::from(t >= 0.5)])
+    }
+
     /// Mean of the linear values over all pixels.
     pub fn mean(&self) -> [f32; 4] {
         let mut sum = [0.0_f64; 4];
@@ -248,6 +255,22 @@ mod tests {
     fn bilinear_is_linear_between_texels() {
         let value = ramp().bilinear(1.25 / 3.0, 0.5, [Wrap::Clamp; 2])[0];
         assert!((value - (0.75 + 1.5)).abs() < 1e-5, "{value}");
+    }
+
+    #[test]
+    fn nearest_is_the_pixel_all_over_its_square() {
+        for wrap in WRAPS {
+            let at = |u: f32, v: f32| ramp().nearest(u, v, [wrap; 2])[0];
+            for (column, u) in [(0.0, 0.01), (0.0, 0.32), (1.0, 0.34), (1.0, 0.66), (2.0, 0.67), (2.0, 0.99)]
+            {
+                assert_eq!(
+                    [at(u, 0.99), at(u, 0.51), at(u, 0.49), at(u, 0.01)],
+                    [column, column, column + 3.0, column + 3.0]
+                );
+            }
+        }
+        let at = |u: f32, wrap| ramp().nearest(u, 0.75, [wrap; 2])[0];
+        assert_eq!([at(1.1, Wrap::Repeat), at(1.1, Wrap::Mirror), at(1.1, Wrap::Clamp)], [0.0, 2.0, 2.0]);
     }
 
     #[test]

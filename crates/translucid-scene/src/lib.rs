@@ -45,7 +45,7 @@ pub use profile_table::ProfileTable;
 pub use projection::Projection;
 pub use scene::Scene;
 pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod};
-pub use texture::{Channel, ColorInput, NormalMap, ScalarInput, TextureRef, Wrap};
+pub use texture::{Channel, ColorInput, NormalMap, ScalarInput, TextureFilter, TextureRef, Wrap};
 pub use translucid_display::ToneMapping;
 pub use translucid_profile::ProfileRow;
 pub use translucid_profile::convention::Unit;

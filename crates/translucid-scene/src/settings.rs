@@ -78,7 +78,7 @@ impl Film {
                 "half the filter's extent in pixels, {range}", Words("0.5 for the box, else 1.5")),
             field!(Film { exposure } => SceneSlot::Number(exposure, Interval::closed(-32.0, 32.0)),
                 "stops, {range}; for PNG only", Plain),
-            field!(Film { tone_mapping } => SceneSlot::Word(tone_mapping), "{words}; for PNG only", Plain),
+            field!(Film { tone_mapping } => SceneSlot::Word(tone_mapping), "{words}, which is Sobotka's AgX of 2022 and not Blender's; for PNG only", Plain),
         ],
         rules: &[],
     };

@@ -16,6 +16,16 @@ pub enum Wrap {
     Clamp,
 }
 
+/// An image's value between the centers of its pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TextureFilter {
+    /// Interpolated between the four nearest pixels.
+    #[default]
+    Linear,
+    /// That of the pixel, all over its square.
+    Nearest,
+}
+
 /// The channel that a scalar input reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Channel {
@@ -39,6 +49,8 @@ pub struct TextureRef {
     pub image_from_uv: Affine2,
     /// Wrap modes in u and v.
     pub wrap: [Wrap; 2],
+    /// Value between pixels.
+    pub filter: TextureFilter,
 }
 
 impl TextureRef {
@@ -47,7 +59,8 @@ impl TextureRef {
 
     /// The image over the unit square, repeated.
     pub fn new(image: usize) -> Self {
-        Self { image, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] }
+        let (wrap, filter) = ([Wrap::Repeat; 2], TextureFilter::Linear);
+        Self { image, image_from_uv: Affine2::IDENTITY, wrap, filter }
     }
 
     /// Image coordinates of a mesh coordinate, before wrapping.

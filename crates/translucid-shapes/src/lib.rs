@@ -1,6 +1,6 @@
 //! Built-in shapes: procedural meshes by name.
 //!
-//! Every shape except the flat ones ([`FLAT_SHAPES`]) is closed and manifold, with its triangles
+//! Every shape but the rectangle and the disc is closed and manifold, with its triangles
 //! counter-clockwise seen from outside, and every shape has unit shading normals.
 //! The basic shapes are centered on the origin; objects that stand (fruits, candle, glass …) stand on y = 0.
 //! A shape is a function of its parameters: equal ones give equal meshes, bit for bit.
@@ -23,9 +23,6 @@ struct Shape {
     parameters: &'static [ShapeParameter],
     build: fn(&Values) -> Result<Mesh, SceneError>,
 }
-
-/// Shapes that are open surfaces, not solids.
-pub const FLAT_SHAPES: [&str; 2] = ["rectangle", "disc"];
 
 #[rustfmt::skip] // A table.
 const SHAPES: &[Shape] = &[

@@ -31,7 +31,8 @@ export class Compare {
             byId("side-both").parentElement.hidden = !sides?.includes("both");
         });
         session.on("state", (state) => this.#show(state));
-        session.on("status", (status) => this.#measure(status));
+        session.on("status", () => this.#measure());
+        picture.onPainted(() => this.#measure());
         this.#listen();
         this.#place(this.#at);
     }
@@ -40,19 +41,20 @@ export class Compare {
         if (this.#session.state) this.#session.command({ type: "compare", on: !this.#session.state.compare });
     }
 
-    /** B becomes a random walk through the same materials. */
+    /** B becomes a random walk through the same materials, and A, where it has walks, normalized diffusion. */
     async withRandomWalk() {
         const session = this.#session;
         if (!session.state) return;
         if (!session.state.compare && !(await session.command({ type: "compare", on: true }))) return;
-        if (!(await session.command({ type: "side", side: "b" }))) return;
         const gesture = nextGesture();
-        const set = { subsurface_model: "random-walk" };
-        const { materials } = session.state.sides.b ?? session.state.sides.a;
-        const scatters = ({ value, image, vertex }) => value > 0 || image || vertex;
-        const edits = materials.flatMap(({ parameters }, index) =>
-            scatters(parameters.subsurface_weight) ? [session.command({ type: "material", index, set, gesture })] : []);
-        await Promise.all(edits);
+        for (const [side, walks, model] of [["a", true, "normalized-diffusion"], ["b", false, "random-walk"]]) {
+            if (!(await session.command({ type: "side", side }))) return;
+            const set = { subsurface_model: model };
+            const { materials } = session.state.sides[side] ?? session.state.sides.a;
+            const edits = materials.flatMap(({ parameters, model }, index) =>
+                scatters(parameters) && isWalk(model) === walks ? [session.command({ type: "material", index, set, gesture })] : []);
+            await Promise.all(edits);
+        }
         const hasBoth = session.hello.sides?.includes("both");
         await session.command({ type: "side", side: hasBoth ? "both" : "a" });
         session.settle();
@@ -70,6 +72,7 @@ export class Compare {
             byId(`show-${name}`).setAttribute("aria-pressed", String(view === name));
         }
         const chip = byId("panel-side");
+        this.#measure();
         chip.hidden = !compare;
         setText(chip, active === "both" ? "A + B" : active.toUpperCase());
         if (compare) {
@@ -78,13 +81,17 @@ export class Compare {
         }
     }
 
-    #measure({ difference }) {
-        const text = difference && [
+    #measure() {
+        const { status, state } = this.#session;
+        const { difference } = status ?? {};
+        const texts = difference && [
             `relMSE ${format(difference.relative_mse, 3)}`,
             difference.noise !== null && `noise ${format(difference.noise, 2)}`,
             difference.mean_flip !== null && `mean \ua7fbLIP ${format(difference.mean_flip, 3)}`,
-        ].filter(Boolean).join(", ");
-        setText(byId("difference"), text ?? "");
+        ];
+        // It takes seconds, while the map shows what was before, or nothing.
+        const isDue = state?.view === "flip" && !(this.#picture.shown.map?.version >= state.version);
+        setText(byId("difference"), isDue ? "Computing \ua7fbLIP \u2026" : (texts ?? []).filter(Boolean).join(", "));
     }
 
     // The line
@@ -131,9 +138,13 @@ export class Compare {
     }
 }
 
+/** Whether a material of these parameters is translucent. */
+const scatters = ({ subsurface_weight: { value, image, vertex } }) => value > 0 || image || vertex;
+
+const isWalk = (model) => model.startsWith("random-walk");
+
 /** The models of a side's translucent materials, each once. */
 function modelsOf({ materials }) {
-    const translucent = materials.filter(({ parameters: { subsurface_weight: { value, image } } }) => value > 0 || image);
-    const models = [...new Set(translucent.map(({ model }) => model))];
+    const models = [...new Set(materials.filter(({ parameters }) => scatters(parameters)).map(({ model }) => model))];
     return models.length > 2 ? `${models.length} models` : models.join(", ");
 }

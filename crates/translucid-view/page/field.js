@@ -3,14 +3,14 @@
 import { make } from "./dom.js";
 import { nextGesture } from "./gesture.js";
 import { format, parse } from "./numbers.js";
-import { MILLIMETERS, readable, splitUnit } from "./units.js";
+import { MILLIMETERS, notLength, notNumber, readable, splitUnit } from "./units.js";
 
 /** Pixels of CSS that a label is dragged for a step. */
 const DRAG = 4;
 
 /**
  * `change(value, gesture, isFinal)` gets what was typed; `gesture` is null where only the end of a gesture is new.
- * `scale` says how far a step goes. `refused(message)` is called for what is no number, `accepted()` when that is over.
+ * `scale` says how far a step goes. `refused({ message, help })` is called for what is no number, `accepted()` when that is over.
  */
 export class NumberField {
     #value = null;
@@ -95,7 +95,7 @@ export class NumberField {
         const text = this.input.value;
         if (text === this.#text && !this.isRefused) return;
         const value = this.#parse(text);
-        if (value === null) return this.refused?.(`\u201c${text}\u201d is not a number`);
+        if (value === null) return this.refused?.((this.#unit in MILLIMETERS ? notLength : notNumber)(text));
         this.show(value, true);
         this.#change(value, nextGesture(), true);
     }

@@ -45,8 +45,8 @@ export class LightsPanel {
     #listen() {
         const choice = byId("light-add");
         choice.addEventListener("change", async () => {
-            const { look, hello, state } = this.#session;
-            const light = newLight(this.#kind(choice.value), hello.bounds, state.camera);
+            const { look, state } = this.#session;
+            const light = newLight(this.#kind(choice.value), state.bounds, state.camera);
             choice.value = "";
             this.#open = [...look.lights.map((_, index) => this.#isOpen(index)), true];
             if (!(await this.#session.addLight(light))) this.#open = null;
@@ -75,7 +75,9 @@ export class LightsPanel {
     }
 
     #section(kind, index, open) {
-        const { bounds, unit } = this.#session.hello;
+        const { unit } = this.#session.hello;
+        const { radius } = this.#session.state.bounds;
+        const center = () => this.#session.state.bounds.center;
         const { name, strength, place, fields } = kind;
         const has = (of) => fields.some((field) => field.kind === of);
         const id = `light-${index}`;
@@ -99,23 +101,23 @@ export class LightsPanel {
         row(ColorRow, "color", "Color", (l) => l[strength], (l, value) => ({ ...l, [strength]: value }),
             { hasStrength: true, hint: strength, scale: { ...logarithmic(1e-3, 1e4), least: 0 } });
 
-        const turn = (key, label, most) => row(NumberRow, key, label, (l) => polar(l, kind, bounds.center)[key],
+        const turn = (key, label, most) => row(NumberRow, key, label, (l) => polar(l, kind, center())[key],
             (l, value) => {
-                const angles = { ...polar(l, kind, bounds.center), [key]: value };
-                return turnTo(l, kind, bounds.center, angles.azimuth, angles.elevation);
+                const angles = { ...polar(l, kind, center()), [key]: value };
+                return turnTo(l, kind, center(), angles.azimuth, angles.elevation);
             },
             { scale: linear(-most, most), limits: { least: -most, most }, unit: "\u00b0", hint: "Around the middle of the scene" });
         turn("azimuth", "Azimuth", 180);
         turn("elevation", "Elevation", 90);
-        const span = logarithmic(bounds.radius * 0.05, bounds.radius * 50);
+        const span = logarithmic(radius * 0.05, radius * 50);
         if (place) {
-            row(NumberRow, "distance", "Distance", (l) => polar(l, kind, bounds.center).distance,
-                (l, value) => moveTo(l, kind, bounds.center, value), { scale: span, limits: { least: 0 }, unit, hint: "From the middle of the scene" });
-            const step = (value, size) => value + size * bounds.radius * 0.02;
+            row(NumberRow, "distance", "Distance", (l) => polar(l, kind, center()).distance,
+                (l, value) => moveTo(l, kind, center(), value), { scale: span, limits: { least: 0 }, unit, hint: "From the middle of the scene" });
+            const step = (value, size) => value + size * radius * 0.02;
             row(NumbersRow, "place", "Place", (l) => l[place], (l, value) => ({ ...l, [place]: value }),
                 { letters: ["X", "Y", "Z"], parts: ["x", "y", "z"], unit, scale: { step }, hint: place });
         }
-        const size = { ...logarithmic(bounds.radius * 1e-3, bounds.radius * 10), least: 0 };
+        const size = { ...logarithmic(radius * 1e-3, radius * 10), least: 0 };
         if (has("edges")) {
             row(NumbersRow, "size", "Size", (l) => [length(l.edge_x), length(l.edge_y)],
                 (l, [width, height]) => ({
@@ -126,9 +128,9 @@ export class LightsPanel {
                 { letters: ["W", "H"], parts: ["width", "height"], unit, scale: size });
         }
         const plain = (Kind, { key, hint }, options) =>
-            row(Kind, key, label(key), (l) => l[key], (l, value) => ({ ...l, [key]: value }), { hint, ...options });
+            row(Kind, key, label(key), (l) => l[key], (l, value) => ({ ...l, [key]: value }), { hint, labels: { [key]: label(key) }, ...options });
         const scales = {
-            length: ({ min }) => ({ scale: min > 0 ? size : logarithmicFromZero(bounds.radius * 1e-3, bounds.radius * 10), unit, limits: { least: 0 } }),
+            length: ({ min }) => ({ scale: min > 0 ? size : logarithmicFromZero(radius * 1e-3, radius * 10), unit, limits: { least: 0 } }),
             // The disc of a sun is small
             angle: ({ min, max }) => ({ scale: max > 90 ? linear(min, max) : logarithmicFromZero(0.01, max), unit: "\u00b0", limits: { least: min } }),
             number: ({ min, max }) => ({ scale: linear(min, max), limits: { least: min, most: max } }),
@@ -145,7 +147,7 @@ export class LightsPanel {
         };
         if (place && (has("edges") || has("direction"))) {
             button("face", "Face the middle of the scene", () => {
-                this.#session.setLight(index, face(light(), kind, bounds.center), { gesture: nextGesture() });
+                this.#session.setLight(index, face(light(), kind, center()), { gesture: nextGesture() });
                 this.#session.settle();
             });
         }

@@ -150,7 +150,8 @@ export class MaterialPanel {
         const color = new ColorRow({ id, name: NAMES[key], change: edit, hint: key, className: "main", hasFields: false });
         const sliders = ["red", "green", "blue"].map((name, i) => {
             const change = (value, ...rest) => edit(this.material.parameters[key].value.with(i, value), ...rest);
-            const options = { id: `${id}-${name}`, name: capital(name), scale: linear(0, 1), change, hint: key };
+            const labels = { [key]: NAMES[key] };
+            const options = { id: `${id}-${name}`, name: capital(name), scale: linear(0, 1), change, hint: key, labels };
             return new NumberRow({ ...options, className: `channel ${name[0]}` });
         });
         const element = make("div", { className: "joined" }, color.element, ...sliders.map((row) => row.element));

@@ -36,6 +36,7 @@ export function meanFreePath(session, panel) {
         scale,
         limits,
         hint: "subsurface_radius \u00d7 subsurface_radius_scale",
+        labels: { subsurface_radius: "Mean free path", subsurface_radius_scale: "Scale" },
         className: `channel ${name[0]}`,
         change: session.editing((value, how) => {
             const whole = panel.material.parameters.subsurface_radius.value;

@@ -115,7 +115,7 @@ export class Navigation {
     }
 
     #dolly(camera, factor) {
-        return dolly(camera, factor, 1e-3 * this.#session.hello.bounds.radius);
+        return dolly(camera, factor, 1e-3 * this.#session.state.bounds.radius);
     }
 
     #show(camera, gesture = this.#gesture) {

@@ -3,6 +3,7 @@
 import { copyButton } from "./copy.js";
 import { byId, make, setText } from "./dom.js";
 import { parse } from "./numbers.js";
+import { MILLIMETERS, notLength, splitUnit } from "./units.js";
 import { Watch } from "./watch.js";
 import { keep, recall } from "./storage.js";
 
@@ -14,8 +15,10 @@ export class NumbersPanel {
     #space = byId("numbers-space");
     #thin = byId("numbers-thin");
     #system = recall("system", "");
+    #session;
 
     constructor(session, materials, dock) {
+        this.#session = session;
         const watch = new Watch(session, materials, "numbers", () => dock.isOpen("numbers"), (answer) => {
             // Where the connection was lost, the next one is asked
             if (!answer) return;
@@ -23,6 +26,7 @@ export class NumbersPanel {
             this.#show();
         }, () => this.#wish());
         for (const input of [this.#space, this.#thin]) input.addEventListener("change", () => watch.look());
+        this.#thin.addEventListener("change", () => this.#check());
         dock.onChange(() => watch.look());
         this.#choice.addEventListener("change", () => {
             this.#system = this.#choice.value;
@@ -40,9 +44,25 @@ export class NumbersPanel {
     #wish() {
         const wish = {};
         if (this.#space.value) wish.color_space = this.#space.value;
-        const thin = parse(this.#thin.value);
+        const thin = this.#thickness();
         if (thin !== null) wish.thin = thin;
         return wish;
+    }
+
+    #thickness() {
+        const [number, unit] = splitUnit(this.#thin.value);
+        const thickness = parse(number);
+        return unit ? thickness && thickness * MILLIMETERS[unit] / MILLIMETERS[this.#session.hello.unit] : thickness;
+    }
+
+    /** Says what is no thickness. */
+    #check() {
+        const text = this.#thin.value.trim();
+        const isRefused = text !== "" && this.#thickness() === null;
+        this.#thin.setAttribute("aria-invalid", String(isRefused));
+        const { message, help } = notLength(text);
+        setText(byId("numbers-thin-error"), `${message} \u2013 ${help}`);
+        byId("numbers-thin-error").hidden = !isRefused;
     }
 
     #show() {

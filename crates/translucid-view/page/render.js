@@ -35,7 +35,39 @@ export class RenderPanel {
     }
 
     #build() {
-        return [...this.#integrator(), ...this.#film(), ...this.#camera()];
+        return [...this.#mesh(), ...this.#integrator(), ...this.#film(), ...this.#camera()];
+    }
+
+    /** How a bare mesh is turned; its camera and lights follow. */
+    #mesh() {
+        const session = this.#session;
+        const set = (part) => session.editing((value, how) => session.setOrientation({ ...session.state.orientation, [part]: value }, how));
+        const up = new ChoiceRow({
+            id: "mesh-up",
+            name: "Up",
+            options: session.hello.up.map((value) => ({ value, name: value.replace("-", "\u2212") })),
+            hint: "up: the axis of the file that points up",
+            change: set("up"),
+        });
+        const turn = new NumbersRow({
+            id: "mesh-turn",
+            name: "Turn",
+            letters: ["X", "Y", "Z"],
+            parts: ["x", "y", "z"],
+            unit: "\u00b0",
+            scale: { step: (value, size) => value + 5 * size },
+            hint: "rotate: about x, then y, then z, once up is up",
+            change: set("rotate"),
+        });
+        byId("mesh-rows").append(up.element, turn.element);
+        const show = () => {
+            const { orientation } = session.state;
+            byId("section-mesh").hidden = !orientation;
+            if (!orientation) return;
+            up.show(orientation.up);
+            turn.show(orientation.rotate);
+        };
+        return [show];
     }
 
     #integrator() {
@@ -51,7 +83,7 @@ export class RenderPanel {
         return [
             row(NumberRow, "samples_per_pixel", "Samples per pixel", { scale: whole(1, 4096) }),
             row(ChoiceRow, "subsurface_method", "Method", { options: methods }),
-            ...(session.hello.denoises ? [this.#denoising()] : []),
+            this.#denoising(),
             ...(session.hello.devices.length > 1 ? [this.#device()] : []),
             row(CheckRow, "subsurface_sharing", "Share light", { hint: "subsurface_sharing: light that has entered serves the pixels around, too" }),
             row(NumberRow, "max_depth", "Depth", { scale: whole(1, 64), hint: "max_depth: most scattering events on a path" }),
@@ -71,10 +103,14 @@ export class RenderPanel {
         const row = new CheckRow({
             id: "denoise",
             name: "Denoise until done",
-            hint: "What is shown while samples are added. The finished picture, and all files, are as they were rendered.",
+            hint: "What is shown while samples are added, by the denoiser or, where there is none, by a filter. The finished picture, comparisons and all files are as they were rendered.",
             change: (on) => session.command({ type: "denoise", on }),
         });
-        byId("integrator-rows").append(row.element);
+        const { text, hint } = session.hello.denoiser;
+        const found = make("div", { className: "row" },
+            make("div", { className: "name" }, "Denoiser"),
+            make("div", { className: "controls" }, make("span", { id: "denoiser", title: hint }, text)));
+        byId("integrator-rows").append(row.element, found);
         return () => row.show(session.state.denoise);
     }
 
@@ -131,7 +167,8 @@ export class RenderPanel {
 
     #camera() {
         const session = this.#session;
-        const { bounds, unit } = session.hello;
+        const { unit } = session.hello;
+        const { bounds } = session.state;
         const row = (Kind, key, name, get, set, options) => {
             const change = session.editing((value, how) => session.setCamera(set(session.state.camera, value), { ...how, moving: true }));
             const made = new Kind({ id: `camera-${key}`, name, change, ...options });

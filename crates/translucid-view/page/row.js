@@ -7,13 +7,15 @@ import { nextGesture } from "./gesture.js";
 import { format } from "./numbers.js";
 import { Slider } from "./slider.js";
 import { MILLIMETERS, readable } from "./units.js";
+import { COLOR_PARTS, inWords } from "./words.js";
 
 const CHANNELS = ["r", "g", "b"];
-const CHANNEL_NAMES = ["red", "green", "blue"];
 
 /** What all rows have: `element`, `refuse(error)` and `accept()` for the server's answer. */
 class Row {
-    constructor(id, name, { hint, className = "", tag = "label" } = {}) {
+    /** `hint` begins with the key of what is shown, if it is one; `labels` are what messages call it and other keys. */
+    constructor(id, name, { hint, labels, className = "", tag = "label" } = {}) {
+        this.labels = labels ?? { [/^\w*/.exec(hint ?? "")[0]]: name };
         this.label = make(tag, { id: `${id}-label`, title: hint ?? "" }, name);
         this.badge = make("span", { className: "badge", hidden: true });
         this.error = make("p", { id: `${id}-error`, className: "error", hidden: true, role: "alert" });
@@ -33,7 +35,8 @@ class Row {
         this.controls.append(input, ...more);
     }
 
-    refuse({ message, help }) {
+    refuse({ message: plain, help }) {
+        const message = inWords(plain, this.labels, this.parts);
         setText(this.error, help ? `${message} \u2013 ${help}` : message);
         this.error.hidden = false;
         for (const input of this.inputs) {
@@ -65,7 +68,7 @@ class Row {
 
     field(options) {
         const field = new NumberField(options);
-        field.refused = (message) => this.refuse({ message });
+        field.refused = (error) => this.refuse(error);
         field.accepted = () => this.accept();
         return field;
     }
@@ -78,8 +81,8 @@ class Row {
  * before and only the end of the gesture is new.
  */
 export class NumberRow extends Row {
-    constructor({ id, name, unit = "", scale, limits, change, hint, className }) {
-        super(id, name, { hint, className });
+    constructor({ id, name, unit = "", scale, limits, change, hint, labels, className }) {
+        super(id, name, { hint, labels, className });
         this.label.htmlFor = id;
         const labelledby = `${id}-label`;
         const isLength = unit in MILLIMETERS;
@@ -119,6 +122,7 @@ export class NumbersRow extends Row {
 
     constructor({ id, name, letters, parts, unit, scale, change, hint, className = "" }) {
         super(id, name, { hint, className: `fields ${className}` });
+        if (letters[0] !== "R") this.parts = parts;
         this.label.htmlFor = `${id}-${parts[0]}`;
         if (unit) this.label.append(make("span", { className: "unit" }, unit));
         this.fields = parts.map((part, i) => {
@@ -174,7 +178,7 @@ export class ColorRow extends Row {
             const letter = make("span", { className: `letter ${channel}` }, channel.toUpperCase());
             const field = this.field({
                 id: `${id}-${channel}`,
-                label: `${name}, ${CHANNEL_NAMES[i]}`,
+                label: `${name}, ${COLOR_PARTS[i]}`,
                 digits: 3,
                 scale: scale ?? { step: (value, size) => value + size * 0.01, least: 0 },
                 handle: letter,

@@ -101,6 +101,13 @@ export class Session extends Events {
         });
     }
 
+    /** Turns the bare mesh: the axis that is up, and angles about x, y and z. */
+    setOrientation(orientation, { gesture, control } = {}) {
+        this.#edit("orientation", { type: "orient", ...orientation, gesture }, control, () => {
+            this.state.orientation = orientation;
+        });
+    }
+
     /** A row's `change`: edits with each value, and settles at the end of a gesture. */
     editing(edit) {
         return (value, gesture, isFinal, control) => {

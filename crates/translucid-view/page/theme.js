@@ -4,6 +4,11 @@ import { byId } from "./dom.js";
 import { keep, recall } from "./storage.js";
 
 const THEMES = ["system", "light", "dark"];
+/** The other colors first, so that the first click shows. */
+const next = () => {
+    const order = dark.matches ? ["system", "light", "dark"] : ["system", "dark", "light"];
+    return order[(order.indexOf(theme) + 1) % order.length];
+};
 const listeners = new Set();
 let theme = THEMES.includes(recall("theme")) ? recall("theme") : "system";
 
@@ -24,7 +29,7 @@ export function startTheme() {
         for (const listener of listeners) listener();
     };
     button.addEventListener("click", () => {
-        theme = THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length];
+        theme = next();
         keep("theme", theme);
         show();
     });

@@ -2,6 +2,10 @@
 
 export const MILLIMETERS = { "\u00b5m": 1e-3, um: 1e-3, mm: 1, cm: 10, m: 1000 };
 
+/** Why a text is no length. */
+export const notLength = (text) => ({ ...notNumber(text), help: "lengths are numbers alone, or with \u00b5m, mm, cm or m" });
+export const notNumber = (text) => ({ message: `\u201c${text}\u201d is not a number`, help: null });
+
 /** The unit in which to show a length of the scene's `unit`: that one, or where it makes numbers long mm, \u00b5m or m. */
 export function readable(length, unit) {
     const size = Math.abs(length);

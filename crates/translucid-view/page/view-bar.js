@@ -4,6 +4,7 @@ import { byId, make, setText } from "./dom.js";
 import { NumberField } from "./field.js";
 import { linear } from "./scale.js";
 import { Slider } from "./slider.js";
+import { inWords } from "./words.js";
 
 /** Layers that exist only while two settings are compared. */
 const OF_COMPARISON = ["difference", "flip"];
@@ -13,13 +14,14 @@ export class ViewBar {
     #session;
     #navigation;
     #views = "";
+    #cameras = null;
 
     constructor(session, navigation) {
         this.#session = session;
         this.#navigation = navigation;
         const cameras = byId("camera");
         cameras.addEventListener("change", () => {
-            const { camera } = session.hello.cameras[Number(cameras.value)] ?? {};
+            const { camera } = session.state.cameras[Number(cameras.value)] ?? {};
             if (camera) navigation.goTo(camera);
         });
         cameras.addEventListener("blur", () => (cameras.value = ""));
@@ -52,7 +54,7 @@ export class ViewBar {
         const error = byId("exposure-error");
         const control = {
             refuse: ({ message }) => {
-                setText(error, message);
+                setText(error, inWords(message, { exposure: "Exposure" }));
                 error.hidden = false;
                 this.field.input.setAttribute("aria-invalid", "true");
             },
@@ -69,18 +71,22 @@ export class ViewBar {
         } });
         const step = (value, size) => value + size * 0.25;
         this.field = new NumberField({ id: "exposure", labelledby, scale: { step }, change: tell, handle: byId("exposure-label") });
-        this.field.refused = (message) => control.refuse({ message });
+        this.field.refused = control.refuse;
         this.field.accepted = control.accept;
         byId("exposure-controls").append(this.slider.input, this.field.input);
     }
 
-    #fill({ cameras, words }) {
-        const options = cameras.map(({ name }, value) => make("option", { value }, name));
-        byId("camera").replaceChildren(make("option", { value: "" }, "Camera \u2026"), ...options);
+    #fill({ words }) {
         byId("tone").replaceChildren(...words.tone_mapping.map((value) => make("option", { value }, value)));
     }
 
-    #show({ view, compare, film }) {
+    #show({ view, compare, film, cameras }) {
+        const names = cameras.map(({ name }) => name);
+        if (names.join() !== this.#cameras) {
+            this.#cameras = names.join();
+            const options = names.map((name, value) => make("option", { value }, name));
+            byId("camera").replaceChildren(make("option", { value: "" }, "Camera \u2026"), ...options);
+        }
         const views = this.#session.hello.views.filter((name) => compare || !OF_COMPARISON.includes(name));
         if (views.join() !== this.#views) {
             this.#views = views.join();

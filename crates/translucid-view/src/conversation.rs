@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
+use translucid_load::{MeshBase, Orientation, UpAxis};
 use translucid_scene::{Camera, Film, Material, Projection, SceneError};
 
 use crate::message::{Message, Numbered};
@@ -15,8 +16,18 @@ pub(crate) enum Heard {
     Answer(String),
     /// A question whose answer takes a while to compute.
     Question(Question),
+    /// A change that takes a while to make.
+    Turn(Turn),
     /// The picture of this number is on the screen.
     Painted(u32),
+}
+
+/// The wish to turn the bare mesh.
+pub(crate) struct Turn {
+    id: Option<u32>,
+    up: String,
+    rotate: [f32; 3],
+    gesture: Option<u64>,
 }
 
 /// A question about a material.
@@ -49,20 +60,48 @@ pub(crate) fn hear(shared: &Shared, text: &str) -> Heard {
         Message::Numbers { index, color_space, thin } => {
             Heard::Question(Question { topic: Topic::Numbers, id, index, wish: Wish { color_space, thin } })
         }
+        Message::Orient { up, rotate, gesture } => Heard::Turn(Turn { id, up, rotate, gesture }),
         message => {
             let changed = shared.change(|studio| {
                 if let Message::Frame {} = message {
-                    let camera = framed(studio.camera(), studio.film(), shared.bounds);
+                    let camera = framed(studio.camera(), studio.film(), studio.bounds());
                     studio.set_camera(camera);
                     return Ok(());
                 }
                 studio.apply(message)
             });
-            Heard::Answer(match changed {
-                Ok(version) => json!({ "type": "applied", "id": id, "version": version }).to_string(),
-                Err(refused) => error(id, &refused),
-            })
+            Heard::Answer(applied(id, changed))
         }
+    }
+}
+
+/// The answer to a change.
+fn applied(id: Option<u32>, changed: Result<u32, SceneError>) -> String {
+    match changed {
+        Ok(version) => json!({ "type": "applied", "id": id, "version": version }).to_string(),
+        Err(refused) => error(id, &refused),
+    }
+}
+
+impl Turn {
+    /// Turns the mesh, which is loaded for that.
+    pub(crate) fn answer(&self, shared: &Shared) -> String {
+        applied(self.id, self.orientation().and_then(|orientation| shared.turn(orientation, self.gesture)))
+    }
+
+    fn orientation(&self) -> Result<Orientation, SceneError> {
+        let Self { up, rotate, .. } = self;
+        let axis = UpAxis::from_name(up).ok_or_else(|| {
+            let names = UpAxis::WORDS.map(|(name, _)| name).join(", ");
+            SceneError::new(format!("up is {up:?}, but must be one of {names}"))
+        })?;
+        MeshBase::ANGLES.check_all("rotate", rotate)?;
+        Ok(Orientation { up: axis, rotate: *rotate })
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn id(&self) -> Option<u32> {
+        self.id
     }
 }
 

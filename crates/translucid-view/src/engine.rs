@@ -16,6 +16,7 @@ mod crew;
 #[cfg(test)]
 mod device_tests;
 mod devices;
+mod header;
 #[cfg(any(test, target_family = "wasm"))]
 mod script;
 #[cfg(test)]
@@ -27,6 +28,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use translucid_laboratory::picture as laboratory;
+use translucid_load::Orientation;
 use translucid_render::device::TracingDevice;
 use translucid_render::{
     Edit, FilmLayer, FilmSums, Fraction, LiveFilm, OnDevice, Outcome, PointCloud, PointPass, PointProgress,
@@ -38,14 +40,17 @@ use crate::clock::Instant;
 use crate::look::Look;
 use crate::message::Side;
 use crate::shared::{Frame, Shared, SideFilm};
+use crate::smooth::{PREVIEW_LEVELS, SmoothLight, levels};
 use crate::studio::{MOTION_ENDS, Wanted};
-use crate::view::{Shown, comparable, comparison_codes, layer_codes, thinned};
+use crate::view::{Light, Shown, comparable, comparison_codes, layer_codes, thinned};
+use header::Header;
 
 /// Time for a picture while something moves \[s\].
 const MOTION_BUDGET: f64 = 0.03;
 /// Time for a finer picture once nothing new has come \[s\].
 const PAUSE_BUDGET: f64 = 0.15;
-/// A first look at a quarter of the resolution comes before samples that take longer than this \[s\].
+/// A look at a quarter of the resolution comes before samples that take longer than this, and one at half of it before those
+/// that take four times as long \[s\].
 const SLOW_SAMPLE: f64 = 0.4;
 /// Samples between two pictures take about so long at most \[s\].
 const SLICE: f64 = 1.0;
@@ -119,6 +124,8 @@ pub(crate) struct Engine<'a> {
     /// The look that the prepared scene has now.
     look: Arc<Look>,
     images: usize,
+    /// How the bare mesh is turned, if the scene is one.
+    orientation: Option<Orientation>,
     /// The device that traces in the processor's place, and its name.
     device: Option<Arc<dyn TracingDevice>>,
     device_name: String,
@@ -137,6 +144,8 @@ pub(crate) struct Engine<'a> {
     /// Time that measuring and showing took last.
     frame_time: Duration,
     reported: Instant,
+    /// What was done to the picture that was shown last, in words.
+    shown_as: &'static str,
     rested: Option<u32>,
     quit: &'a AtomicBool,
 }
@@ -150,6 +159,7 @@ impl<'a> Engine<'a> {
             prepared,
             look,
             images: 0,
+            orientation: wanted.orientation,
             device: shared.settings.devices.first.clone(),
             device_name: wanted.device.clone(),
             device_fault: None,
@@ -163,6 +173,7 @@ impl<'a> Engine<'a> {
             frame_number: 0,
             frame_time: Duration::ZERO,
             reported: Instant::now(),
+            shown_as: "",
             rested: None,
             quit,
         };
@@ -226,6 +237,7 @@ impl<'a> Engine<'a> {
             && before.shown == self.wanted.shown
             && before.is_denoised == self.wanted.is_denoised;
         self.bring_images();
+        self.turn();
         if self.wanted.device != self.device_name {
             self.change_device();
         }
@@ -315,6 +327,25 @@ impl<'a> Engine<'a> {
         new.into_iter().for_each(|image| self.edit(Edit::AddImage(image)));
     }
 
+    /// Turns the bare mesh as it is wanted: everything is traced anew.
+    fn turn(&mut self) {
+        if self.wanted.orientation == self.orientation {
+            return;
+        }
+        self.orientation = self.wanted.orientation;
+        let turned = self.orientation.map(|orientation| self.shared.take_turned(orientation));
+        match turned {
+            Some(Ok(scene)) => {
+                self.edit(Edit::Objects(scene.objects));
+                self.shared.set_picker(self.prepared.picker());
+                self.tell_notes();
+            }
+            Some(Err(error)) => self.shared.set_notes(vec![format!("the mesh is not turned: {error}")]),
+            None => {}
+        }
+        self.sides = [None, None];
+    }
+
     fn edit(&mut self, edit: Edit) {
         if let Err(error) = self.prepared.edit(edit) {
             // The studio has checked it: a defect, which must not pass in silence
@@ -368,10 +399,17 @@ impl<'a> Engine<'a> {
             };
         }
 
-        // Where a sample takes long, a better look comes first: a sixteenth of its time
-        let slow = self.seconds_of(Fraction::Whole) > SLOW_SAMPLE;
-        if let Some((index, _)) = coarse().find(|(_, fraction)| slow && *fraction == Fraction::Eighth) {
-            return Work::Preview(index, Fraction::Quarter);
+        // Where a sample takes long, better looks come first: a sixteenth of its time, then a quarter
+        let whole = self.seconds_of(Fraction::Whole);
+        let better = |fraction| match fraction {
+            Fraction::Eighth if whole > SLOW_SAMPLE => Some(Fraction::Quarter),
+            Fraction::Quarter if whole > 4.0 * SLOW_SAMPLE => Some(Fraction::Half),
+            _ => None,
+        };
+        if let Some((index, fraction)) =
+            coarse().find_map(|(index, fraction)| Some((index, better(fraction)?)))
+        {
+            return Work::Preview(index, fraction);
         }
         let unfinished = sides().filter(|(_, side)| side.film.samples() < side.goal());
         match unfinished.min_by_key(|(_, side)| side.film.samples()) {
@@ -490,7 +528,7 @@ impl<'a> Engine<'a> {
             self.frame_time = start.elapsed();
         }
         if self.reported.elapsed() > REPORT_PAUSE {
-            self.report("rendering", if self.denoises() { "shown denoised" } else { "" });
+            self.report("rendering", self.shown_as);
         }
     }
 
@@ -537,16 +575,20 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// Whether pictures that are not finished are denoised: only for the eye, and not while something moves.
+    /// Whether the noise is taken out of pictures that are not finished: only for the eye, and not in comparisons.
+    fn cleans(&self) -> bool {
+        let Wanted { shown, is_denoised, looks, .. } = &self.wanted;
+        *shown == Shown::Layer(FilmLayer::Radiance) && *is_denoised && looks[1].is_none()
+    }
+
+    /// Whether a denoiser does that, which takes too long while something moves.
     fn denoises(&self) -> bool {
-        let Wanted { shown, is_denoised, moving, .. } = &self.wanted;
-        let is_light = *shown == Shown::Layer(FilmLayer::Radiance);
-        is_light && *is_denoised && moving.is_none() && self.shared.denoiser.is_some()
+        self.cleans() && self.wanted.moving.is_none() && self.shared.denoiser.is_some()
     }
 
     /// Sends what there is of a side, and the map of the comparison if that is looked at.
     fn show(&mut self, side: usize) {
-        let (shown, denoises) = (self.wanted.shown, self.denoises());
+        let (shown, cleans, denoises) = (self.wanted.shown, self.cleans(), self.denoises());
         let Some(work) = &mut self.sides[side] else { return };
         let layer = if let Shown::Layer(layer) = shown { layer } else { FilmLayer::Radiance };
         let whole = work.film.sums();
@@ -556,10 +598,23 @@ impl<'a> Engine<'a> {
         };
         let samples = whole.samples();
         let is_last = samples >= work.goal();
-        // Where denoising fails, the picture is shown as it is
-        let denoiser = self.shared.denoiser.as_ref().filter(|_| denoises && !is_last && sums.samples() > 0);
+        if side == Side::A as usize
+            && let Some(exposure) = self.shared.meter(sums, is_last)
+        {
+            self.wanted.film.exposure = exposure;
+        }
+        let cleans = cleans && !is_last && sums.samples() > 0;
+        let denoiser = self.shared.denoiser.as_ref().filter(|_| denoises && cleans);
+        // Where denoising fails, the picture is shown as without a denoiser
         let denoised = denoiser.and_then(|denoiser| sums.denoise(denoiser, 0).ok());
-        let codes = layer_codes(sums, layer, &self.wanted.film, denoised);
+        let levels = if fraction == Fraction::Whole { levels(samples) } else { Some(PREVIEW_LEVELS) };
+        let (light, shown_as) = match (denoised, levels.filter(|_| cleans)) {
+            (Some(denoised), _) => (Light::Denoised(denoised), "shown denoised"),
+            (None, Some(levels)) => (Light::Smoothed(SmoothLight::new(sums, levels)), "shown smoothed"),
+            (None, None) => (Light::AsRendered, ""),
+        };
+        self.shown_as = shown_as;
+        let codes = layer_codes(sums, layer, &self.wanted.film, light);
         let header = Header {
             kind: side as u8,
             divisor: fraction.divisor() as u8,
@@ -711,34 +766,6 @@ fn words_of(PointProgress { pass, part, .. }: PointProgress) -> String {
 fn same_pixels(a: &Film, b: &Film) -> bool {
     let pixels = |film: &Film| (film.width, film.height, film.filter, film.filter_radius);
     pixels(a) == pixels(b)
-}
-
-/// The header of a frame, as `PROTOCOL.md` defines it.
-struct Header {
-    kind: u8,
-    divisor: u8,
-    is_last: bool,
-    number: u32,
-    version: u32,
-    size: [u32; 2],
-    samples: u32,
-    seconds: f32,
-}
-
-impl Header {
-    /// The bytes of a frame with these codes.
-    fn before(&self, codes: &[u8]) -> Arc<[u8]> {
-        let mut bytes = Vec::with_capacity(24 + codes.len());
-        bytes.extend([84, self.kind, self.divisor, u8::from(self.is_last)]);
-        bytes.extend(self.number.to_le_bytes());
-        bytes.extend(self.version.to_le_bytes());
-        // An edge of a film has at most 16384 pixels
-        self.size.iter().for_each(|edge| bytes.extend((*edge as u16).to_le_bytes()));
-        bytes.extend(self.samples.to_le_bytes());
-        bytes.extend(self.seconds.to_le_bytes());
-        bytes.extend(codes);
-        bytes.into()
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::io::{self, Cursor};
 use std::path::Path;
 
 use translucid_image::DisplayTransform;
-use translucid_load::decode_image;
+use translucid_load::{decode_image, warn_of_panorama};
 use translucid_render::ImageInfo;
 use translucid_scene::{ColorSpace, Image, Place, SceneError};
 
@@ -63,7 +63,11 @@ pub(crate) fn encode_picture(shared: &Shared, side: &SideFilm, format: PictureFo
 pub(crate) fn bring_environment(shared: &Shared, name: &str, bytes: &[u8]) -> Result<(), SceneError> {
     let name = file_name(name);
     let place = Place::part(Path::new(""), &name);
-    let image = decode_image(&place, bytes, ColorSpace::Srgb, &mut Vec::new())?;
+    let mut warnings = Vec::new();
+    let image = decode_image(&place, bytes, ColorSpace::Srgb, &mut warnings)?;
+    warn_of_panorama(&image, &mut warnings);
+    let notes = warnings.into_iter().map(|warning| format!("{name}: {}", warning.message)).collect();
+    shared.set_image_notes(notes);
     shared.change(|studio| studio.add_environment(Image { name, ..image })).map(drop)
 }
 

@@ -1,6 +1,8 @@
 //! A scene's parts as JSON, for pages.
 
+use glam::Vec3;
 use serde_json::{Map, Value, json};
+use translucid_load::{Orientation, UpAxis};
 use translucid_profile::convention::{conversion_system_names, presets};
 use translucid_render::FilmLayer;
 use translucid_scene::description::{SceneSlot, Thing};
@@ -23,6 +25,14 @@ pub(crate) fn film(film: &Film) -> Value {
     object
         .extend([("width", film.width), ("height", film.height)].map(|(key, n)| (key.to_owned(), json!(n))));
     object.into()
+}
+
+pub(crate) fn bounds((center, radius): (Vec3, f32)) -> Value {
+    json!({ "center": center.to_array(), "radius": radius })
+}
+
+pub(crate) fn orientation(orientation: Orientation) -> Value {
+    json!({ "up": orientation.up.name(), "rotate": orientation.rotate })
 }
 
 pub(crate) fn image(image: &Image) -> Value {
@@ -148,7 +158,7 @@ fn kind_of_light(kind: &Thing<Light>) -> Value {
 }
 
 /// Everything about a scene that no edit changes, and the names that a page offers.
-pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: &Camera) -> Value {
+pub(crate) fn hello(name: &str, scene: &Scene) -> Value {
     let (parameters, words) = parameters_and_words();
     let model = |model: SubsurfaceModel| json!({ "name": model.name(), "description": model.description() });
     let objects: Vec<Value> = scene
@@ -169,14 +179,13 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
         "name": name,
         "unit": scene.unit.name(),
         "objects": objects,
-        "bounds": { "center": bounds.0, "radius": bounds.1 },
-        "cameras": [{ "name": "scene", "camera": camera(origin) }],
         "parameters": parameters,
         "lights": Light::KINDS.map(kind_of_light),
         "models": SubsurfaceModel::ALL.map(model),
         "words": words,
         "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source })).collect::<Vec<_>>(),
         "systems": conversion_system_names(),
+        "up": UpAxis::WORDS.map(|(name, _)| name),
         "sides": Edited::ALL.map(Edited::name),
         "views": Shown::ALL.map(Shown::name),
     })

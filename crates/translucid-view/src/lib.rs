@@ -17,13 +17,17 @@
 //! # Out of scope
 //! The command line, and messages on a terminal (`translucid-cli`).
 
+mod base;
 mod clock;
 mod conversation;
 mod engine;
 mod files;
+#[cfg(any(fuzzing, test))]
+mod fuzz;
 mod json;
 mod look;
 mod message;
+mod meter;
 mod numbers;
 #[cfg(not(target_family = "wasm"))]
 mod page;
@@ -35,12 +39,16 @@ mod serve;
 mod server;
 mod settings;
 mod shared;
+mod smooth;
 mod studio;
 mod value;
 mod view;
 #[cfg(target_family = "wasm")]
 mod worker;
 
+#[cfg(any(fuzzing, test))]
+pub use fuzz::hear_while_fuzzing;
 #[cfg(not(target_family = "wasm"))]
 pub use serve::{Page, ViewError};
-pub use settings::{Devices, OpenDevice, ScriptDevice, Settings};
+pub use settings::{Devices, LoadTurned, MeshToTurn, OpenDevice, ScriptDevice, Settings};
+pub use view::comparable;

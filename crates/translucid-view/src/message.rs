@@ -41,6 +41,11 @@ pub(crate) enum Message {
         moving: bool,
         gesture: Option<u64>,
     },
+    Orient {
+        up: String,
+        rotate: [f32; 3],
+        gesture: Option<u64>,
+    },
     Frame {},
     Settled {},
     Undo {},

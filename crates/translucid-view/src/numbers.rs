@@ -6,8 +6,7 @@ use translucid_profile::InputError;
 use translucid_profile::convention::{
     ArgumentNames, ColorSpaces, Conversion, Converted, LINEAR_SPACES, Setting,
 };
-use translucid_scene::description::Choice;
-use translucid_scene::{Material, SubsurfaceParameter, Unit};
+use translucid_scene::{Material, Unit};
 
 /// How numbers are to be printed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,10 +22,7 @@ pub(crate) fn numbers(material: &Material, unit: Unit, wish: &Wish) -> Value {
     let albedo = material.subsurface_color.factor.to_array().map(f64::from);
     let length = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
     let length = length.to_array().map(f64::from);
-    let parameter = match material.subsurface_parameter {
-        SubsurfaceParameter::Mfp => "mfp",
-        SubsurfaceParameter::Dmfp => "dmfp",
-    };
+    let parameter = material.subsurface_parameter.name();
     let mut notes = Vec::new();
     let color = &material.subsurface_color;
     if color.texture.is_some() || color.vertex_color || material.subsurface_radius.texture.is_some() {
@@ -69,7 +65,7 @@ pub(crate) fn numbers(material: &Material, unit: Unit, wish: &Wish) -> Value {
         list(length),
         list(albedo),
         unit.name(),
-        configuration(material),
+        material.subsurface_configuration.name(),
     );
     if let Some(space) = &wish.color_space {
         command += &format!(" --color-space {space}");
@@ -117,10 +113,6 @@ fn convert(
 fn interface(material: &Material) -> f64 {
     let ior: f64 = material.specular_ior.to_string().parse().unwrap_or(1.0);
     if material.specular_weight.factor > 0.0 { ior.clamp(1.0, 3.0) } else { 1.0 }
-}
-
-fn configuration(material: &Material) -> &'static str {
-    Choice::name(&material.subsurface_configuration)
 }
 
 /// A number to six digits, as people type it.

@@ -74,6 +74,7 @@ page_files! {
     "vendor/uplot/uPlot.min.css": STYLE,
     "view-bar.js": SCRIPT,
     "watch.js": SCRIPT,
+    "words.js": SCRIPT,
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use translucid_load::ExtendedBase;
+use translucid_load::{ExtendedBase, Orientation};
 use translucid_render::device::{DeviceLimits, TracingDevice};
 use translucid_scene::{Scene, SceneError};
 
@@ -12,8 +12,12 @@ pub struct Settings {
     pub name: String,
     /// The base that a saved scene extends.
     pub base: ExtendedBase,
-    /// Loads that base, to tell what has changed.
-    pub load_base: Box<dyn Fn() -> Result<Scene, SceneError> + Send + Sync>,
+    /// Loads that base, with its mesh turned as asked for, to tell what has changed.
+    pub load_base: Box<dyn Fn(Option<Orientation>) -> Result<Scene, SceneError> + Send + Sync>,
+    /// The bare mesh that the scene is, if it is one.
+    pub mesh: Option<MeshToTurn>,
+    /// Whether the exposure is metered until somebody chooses it.
+    pub is_metered: bool,
     /// The command that was given, as pictures state it.
     pub command: String,
     /// Options that a command needs besides a saved scene.
@@ -21,6 +25,17 @@ pub struct Settings {
     /// What can trace paths.
     pub devices: Devices,
 }
+
+/// A bare mesh, which pages may turn.
+pub struct MeshToTurn {
+    /// How it is turned at first.
+    pub orientation: Orientation,
+    /// Loads the scene as it is shown, turned otherwise, for a film of a width and height.
+    pub load: Box<LoadTurned>,
+}
+
+/// Loads a scene whose mesh is turned, for a film of a width and height.
+pub type LoadTurned = dyn Fn(Orientation, [u32; 2]) -> Result<Scene, SceneError> + Send + Sync;
 
 /// Devices beside the processor, which messages call [`PROCESSOR`](Devices::PROCESSOR).
 pub struct Devices {

@@ -5,13 +5,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 #[cfg(not(target_family = "wasm"))]
 use std::time::Duration;
 
-use glam::Vec3;
 use serde_json::{Value, json};
 use tokio::sync::watch;
-use translucid_image::Denoiser;
-use translucid_render::{LiveFilm, Picker, View};
-use translucid_scene::{Scene, SceneError};
+use translucid_image::{DENOISER_VARIABLE, Denoiser, OutputError};
+use translucid_load::Orientation;
+use translucid_render::{FilmSums, ImageInfo, LiveFilm, Picker, View};
+use translucid_scene::{Image, Scene, SceneError};
 
+use crate::base::Base;
 use crate::json;
 use crate::message::Side;
 use crate::page_state::PageState;
@@ -47,9 +48,11 @@ pub(crate) struct Shared {
     pub(crate) frames: [watch::Sender<Option<Frame>>; 3],
     films: Mutex<[Option<SideFilm>; 2]>,
     notes: Mutex<Vec<String>>,
-    picker: Picker,
-    /// Center and radius of what the scene is about.
-    pub(crate) bounds: (Vec3, f32),
+    /// What is to be said of the image that a page brought last.
+    image_notes: Mutex<Vec<String>>,
+    picker: Mutex<Picker>,
+    /// The bare mesh as it was turned last, until the renderer takes it.
+    turned: Mutex<Option<(Orientation, Scene)>>,
     /// The scene as it was loaded, but for its geometry and images: what edits are told from.
     pub(crate) origin: Scene,
     object_names: Vec<(String, usize)>,
@@ -69,19 +72,19 @@ impl Shared {
         notes: Vec<String>,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        let denoiser = Denoiser::load().ok();
-        let mut studio = Studio::new(scene)?;
+        let denoiser = Denoiser::load();
+        let orientation = settings.mesh.as_ref().map(|mesh| mesh.orientation);
+        let mut studio = Studio::new(scene, orientation, settings.is_metered)?;
         studio.set_devices(&settings.devices);
-        let bounds = bounds(scene, &picker);
-        let mut hello = json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera);
-        hello["denoises"] = json!(denoiser.is_some());
+        let mut hello = json::hello(&settings.name, scene);
+        hello["denoiser"] = denoiser_for_people(&denoiser);
         let devices: Vec<_> = std::iter::once(Devices::PROCESSOR)
             .chain(settings.devices.names.iter().map(String::as_str))
             .collect();
         hello["devices"] = json!(devices);
         Ok(Self {
             hello: hello.to_string(),
-            bounds,
+            turned: Mutex::new(None),
             state: watch::Sender::new(Arc::new(studio.state(&notes, &settings.render_command()))),
             studio: Mutex::new(studio),
             changed: Condvar::new(),
@@ -92,7 +95,8 @@ impl Shared {
             frames: std::array::from_fn(|_| watch::Sender::new(None)),
             films: Mutex::new([None, None]),
             notes: Mutex::new(notes),
-            picker,
+            image_notes: Mutex::default(),
+            picker: Mutex::new(picker),
             origin: Scene {
                 objects: Vec::new(),
                 images: Vec::new(),
@@ -101,7 +105,7 @@ impl Shared {
             },
             object_names: scene.objects.iter().map(|object| (object.name.clone(), object.material)).collect(),
             settings,
-            denoiser,
+            denoiser: denoiser.ok(),
         })
     }
 
@@ -141,9 +145,14 @@ impl Shared {
     }
 
     fn publish(&self, studio: &Studio) {
-        let notes = locked(&self.notes);
+        let notes = [&self.notes, &self.image_notes].map(|notes| locked(notes).clone()).concat();
         let command = self.settings.render_command();
         self.state.send_replace(Arc::new(studio.state(&notes, &command)));
+    }
+
+    /// Sets what is said of a brought image, from the next change on.
+    pub(crate) fn set_image_notes(&self, notes: Vec<String>) {
+        *locked(&self.image_notes) = notes;
     }
 
     /// Everything that is not rendered as it was asked for.
@@ -160,12 +169,73 @@ impl Shared {
     /// # Errors
     /// The base is not there any more, or is another scene now.
     pub(crate) fn scene_text(&self) -> Result<String, SceneError> {
-        let from = (self.settings.load_base)()?;
-        let to = self.studio(|studio| studio.edited(&from));
+        let orientation = self.studio(Studio::orientation);
+        let from = (self.settings.load_base)(orientation)?;
+        let (to, now) = self.studio(|studio| (studio.edited(&from), studio.orientation()));
+        if now != orientation {
+            return self.scene_text();
+        }
         let image = to.environment.and_then(|environment| environment.image);
         let brought =
             image.filter(|image| *image >= from.images.len()).and_then(|image| to.images.get(image));
-        self.settings.base.write(&from, &to, brought.map(|image| image.name.as_str()))
+        let mut base = self.settings.base.clone();
+        if let Some(Orientation { up, rotate }) = orientation {
+            base.mesh.up = Some(up);
+            base.mesh.rotate = rotate;
+        }
+        base.write(&from, &to, brought.map(|image| file_of(image)).as_deref())
+    }
+
+    /// Turns the bare mesh.
+    ///
+    /// # Errors
+    /// The scene is none, or cannot be loaded any more.
+    pub(crate) fn turn(&self, orientation: Orientation, gesture: Option<u64>) -> Result<u32, SceneError> {
+        let scene = self.load_turned(orientation)?;
+        let base = Base::of(&scene, Some(orientation));
+        *locked(&self.turned) = Some((orientation, scene));
+        self.change(|studio| studio.turn(base, gesture))
+    }
+
+    /// The bare mesh turned so, as its scene is shown.
+    ///
+    /// # Errors
+    /// As [`turn`](Self::turn).
+    pub(crate) fn take_turned(&self, orientation: Orientation) -> Result<Scene, SceneError> {
+        match locked(&self.turned).take() {
+            Some((known, scene)) if known == orientation => Ok(scene),
+            _ => self.load_turned(orientation),
+        }
+    }
+
+    fn load_turned(&self, orientation: Orientation) -> Result<Scene, SceneError> {
+        let Some(mesh) = &self.settings.mesh else {
+            return Err(SceneError::new("the scene is no bare mesh, and cannot be turned")
+                .with_help("turn objects in its file, by their key rotate"));
+        };
+        let size = self.studio(|studio| [studio.film().width, studio.film().height]);
+        (mesh.load)(orientation, size)
+    }
+
+    /// Answers to `pick` are from this geometry on.
+    pub(crate) fn set_picker(&self, picker: Picker) {
+        *locked(&self.picker) = picker;
+    }
+
+    /// The exposure of a picture that is to be metered, which becomes that of the film.
+    pub(crate) fn meter(&self, film: &FilmSums, is_last: bool) -> Option<f32> {
+        if film.samples() == 0 || !self.studio(Studio::is_metering) {
+            return None;
+        }
+        let exposure = film.display_picture(&ImageInfo::default()).metered_exposure().ok()?;
+        let mut studio = locked(&self.studio);
+        // A choice may have come meanwhile
+        if !studio.is_metering() {
+            return None;
+        }
+        studio.meter(exposure, film.samples(), is_last);
+        self.publish(&studio);
+        Some(exposure)
     }
 
     pub(crate) fn side(&self, side: Side) -> Option<SideFilm> {
@@ -179,7 +249,7 @@ impl Shared {
     /// The answer to a `pick`.
     pub(crate) fn picked(&self, id: Option<u32>, [x, y]: [f32; 2]) -> Value {
         let view = self.side(Side::A).map(|side| side.view);
-        let picked = view.as_ref().and_then(|view| self.picker.pick(view, [x, y]));
+        let picked = view.as_ref().and_then(|view| locked(&self.picker).pick(view, [x, y]));
         let object = picked.map(|picked| &self.object_names[picked.object]);
         let values = |side: Side| {
             let film = self.side(side)?.film;
@@ -205,12 +275,22 @@ impl Shared {
     }
 }
 
-/// A sphere around everything that is translucent or, where nothing is, around everything.
-fn bounds(scene: &Scene, picker: &Picker) -> (Vec3, f32) {
-    let is_translucent =
-        |object: &&translucid_scene::Object| scene.materials[object.material].has_subsurface();
-    let boxes = scene.objects.iter().filter(is_translucent).map(|object| object.mesh.bounds());
-    let translucent = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let (low, high) = translucent.unwrap_or_else(|| picker.bounds());
-    (0.5 * (low + high), 0.5 * (high - low).length())
+/// The path of an image of the command's, or the name of one that a page has brought.
+fn file_of(image: &Image) -> String {
+    let path = image.path.as_deref().and_then(|path| std::path::absolute(path).ok());
+    path.map_or_else(|| image.name.clone(), |path| path.display().to_string())
+}
+
+/// A denoiser by its name, or how to get one, and more about that.
+fn denoiser_for_people(denoiser: &Result<Denoiser, OutputError>) -> Value {
+    let (text, hint) = match denoiser {
+        Ok(denoiser) => (denoiser.name().to_owned(), String::new()),
+        Err(_) if cfg!(target_family = "wasm") => (String::from("none in a browser alone"), String::new()),
+        // A path that somebody has given, and that is wrong
+        Err(error) if std::env::var_os(DENOISER_VARIABLE).is_some_and(|path| !path.is_empty()) => {
+            (format!("none: {}", error.message), error.help.clone().unwrap_or_default())
+        }
+        Err(error) => (String::from("none: pip install pyoidn"), error.message.clone()),
+    };
+    json!({ "text": text, "hint": hint })
 }

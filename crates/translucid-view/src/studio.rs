@@ -1,19 +1,25 @@
 //! The state that all pages share: two settings of the scene, how they are looked at, and what was done.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
+use glam::Vec3;
 use serde_json::{Map, Value, json};
-use translucid_load::Piece;
+use translucid_load::{Orientation, Piece, name_after_preset};
 use translucid_scene::{
     Camera, Environment, Film, Image, Integrator, Material, Object, Scene, SceneError, SubsurfaceMethod, Unit,
 };
 
+use crate::base::Base;
 use crate::clock::Instant;
 use crate::json;
 use crate::look::Look;
 use crate::message::{Edited, Message, Side};
+use crate::meter::Meter;
 use crate::page_state::PageState;
 use crate::settings::Devices;
 use crate::value::piece;
@@ -41,6 +47,7 @@ pub(crate) const MOTION_ENDS: Duration = Duration::from_millis(150);
 /// Everything that undo brings back.
 #[derive(Clone, PartialEq)]
 struct Setup {
+    base: Arc<Base>,
     looks: [Arc<Look>; 2],
     film: Film,
     camera: Camera,
@@ -56,6 +63,8 @@ pub(crate) struct Wanted {
     /// The side that is looked at first.
     pub(crate) active: Side,
     pub(crate) camera: Camera,
+    /// How the bare mesh is turned, if the scene is one.
+    pub(crate) orientation: Option<Orientation>,
     pub(crate) film: Film,
     pub(crate) shown: Shown,
     pub(crate) is_paused: bool,
@@ -73,7 +82,7 @@ pub(crate) struct Wanted {
 pub(crate) struct Studio {
     unit: Unit,
     /// Images and profile tables of the scene itself.
-    image_count: usize,
+    own_images: Vec<Arc<Image>>,
     table_count: usize,
     image_facts: Vec<Value>,
     images: Vec<Arc<Image>>,
@@ -91,6 +100,9 @@ pub(crate) struct Studio {
     undone: Vec<Setup>,
     /// The gesture that the last step belongs to.
     gesture: Option<u64>,
+    /// Whether the scene leaves the exposure to a meter, and the meter while it looks.
+    is_metered: bool,
+    meter: Option<Meter>,
     version: u32,
 }
 
@@ -99,14 +111,19 @@ impl Studio {
     ///
     /// # Errors
     /// The film is larger than a page can show.
-    pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub(crate) fn new(
+        scene: &Scene,
+        orientation: Option<Orientation>,
+        is_metered: bool,
+    ) -> Result<Self, SceneError> {
         check_size(&scene.film)?;
         let look = Arc::new(Look::of(scene));
         let looks = [Arc::clone(&look), look];
-        let setup = Setup { looks, film: scene.film, camera: scene.camera, is_comparing: false };
+        let base = Arc::new(Base::of(scene, orientation));
+        let setup = Setup { base, looks, film: scene.film, camera: scene.camera, is_comparing: false };
         Ok(Self {
             unit: scene.unit,
-            image_count: scene.images.len(),
+            own_images: scene.images.clone(),
             table_count: scene.profile_tables.len(),
             image_facts: scene.images.iter().map(|image| json::image(image)).collect(),
             images: Vec::new(),
@@ -122,6 +139,8 @@ impl Studio {
             done: VecDeque::new(),
             undone: Vec::new(),
             gesture: None,
+            is_metered,
+            meter: is_metered.then(Meter::default),
             version: 1,
         })
     }
@@ -132,6 +151,7 @@ impl Studio {
             looks: self.looks(),
             active: self.edited.sides()[0],
             camera: self.setup.camera,
+            orientation: self.orientation(),
             film: self.setup.film,
             shown: self.shown,
             is_paused: self.is_paused,
@@ -154,6 +174,15 @@ impl Studio {
         &self.setup.film
     }
 
+    pub(crate) fn orientation(&self) -> Option<Orientation> {
+        self.setup.base.orientation
+    }
+
+    /// Center and radius of what the scene is about.
+    pub(crate) fn bounds(&self) -> (Vec3, f32) {
+        self.setup.base.bounds
+    }
+
     /// The look that edits concern; of both the first.
     pub(crate) fn active_look(&self) -> &Arc<Look> {
         &self.setup.looks[self.edited.sides()[0] as usize]
@@ -171,7 +200,14 @@ impl Studio {
             integrator: look.integrator,
             objects: names.collect(),
             materials: look.materials.clone(),
-            images: from.images.iter().chain(&self.images).map(Arc::clone).collect(),
+            // Those of options come after those of the base
+            images: from
+                .images
+                .iter()
+                .chain(self.own_images.iter().skip(from.images.len()))
+                .chain(&self.images)
+                .map(Arc::clone)
+                .collect(),
             profile_tables: from.profile_tables.clone(),
             lights: look.lights.clone(),
             environment: look.environment,
@@ -183,6 +219,9 @@ impl Studio {
     pub(crate) fn state(&self, notes: &[String], command: &str) -> PageState {
         let parts = [
             ("camera", json::camera(&self.setup.camera)),
+            ("cameras", json!([{ "name": "scene", "camera": json::camera(&self.setup.base.camera) }])),
+            ("bounds", json::bounds(self.bounds())),
+            ("orientation", json!(self.orientation().map(json::orientation))),
             ("film", json::film(&self.setup.film)),
             ("compare", json!(self.setup.is_comparing)),
             ("active", json!(self.edited.name())),
@@ -217,10 +256,13 @@ impl Studio {
         let moved = self.moving.take();
         match message {
             Message::Material { index, set, gesture } => {
+                let set_preset = set.get("preset").and_then(Value::as_str).map(str::to_owned);
                 self.edit(gesture, |studio, look| {
                     require("material", index, look.materials.len())?;
                     let set = piece(&format!("material {}", look.materials[index].name), set.clone());
-                    look.materials[index] = studio.edited_material(&look.materials[index], &set)?;
+                    let name = studio.name_after(set_preset.as_deref(), look, index);
+                    look.materials[index] =
+                        Material { name, ..studio.edited_material(&look.materials[index], &set)? };
                     Ok(())
                 })?;
             }
@@ -273,6 +315,7 @@ impl Studio {
             Message::Reset {} => {
                 let origin = self.origin.clone();
                 self.change(None, |setup| *setup = origin);
+                self.meter = self.is_metered.then(Meter::default);
             }
             Message::Compare { on } => {
                 self.change(None, |setup| {
@@ -308,7 +351,8 @@ impl Studio {
             // A renderer that has gone on already is not disturbed
             Message::Settled {} if moved.is_none_or(|last| last.elapsed() >= MOTION_ENDS) => return Ok(()),
             Message::Settled {} | Message::Frame {} => {}
-            Message::Pick { .. }
+            Message::Orient { .. }
+            | Message::Pick { .. }
             | Message::Profile { .. }
             | Message::Numbers { .. }
             | Message::Painted { .. } => {
@@ -328,6 +372,49 @@ impl Studio {
         self.device = first.and_then(|name| self.devices.iter().position(|known| known == name)).unwrap_or(0);
     }
 
+    /// Turns the bare mesh: the camera, lights and environment that were made for it are made anew.
+    ///
+    /// # Errors
+    /// It is another scene so.
+    pub(crate) fn turn(&mut self, base: Base, gesture: Option<u64>) -> Result<(), SceneError> {
+        let before = Arc::clone(&self.setup.base);
+        if base.materials != before.materials {
+            let message =
+                format!("the scene has {} materials so, but had {}", base.materials, before.materials);
+            return Err(
+                SceneError::new(message).with_help("begin anew with it: the mesh, or its floor, is another")
+            );
+        }
+        self.change(gesture, |setup| {
+            for look in &mut setup.looks {
+                before.follow(&base, Arc::make_mut(look));
+            }
+            if setup.camera == before.camera {
+                setup.camera = base.camera;
+            }
+            setup.base = Arc::new(base);
+        });
+        self.settle();
+        Ok(())
+    }
+
+    /// Whether the exposure is that of the pictures.
+    pub(crate) fn is_metering(&self) -> bool {
+        self.meter.is_some()
+    }
+
+    /// Takes the exposure that was metered of a picture with so many samples, here and wherever it was the same.
+    pub(crate) fn meter(&mut self, exposure: f32, samples: u32, is_last: bool) {
+        self.meter = self.meter.and_then(|meter| meter.after_picture(samples, is_last));
+        let before = self.setup.film.exposure;
+        let steps = self.done.iter_mut().chain(&mut self.undone);
+        for setup in steps.chain([&mut self.setup, &mut self.origin]) {
+            if setup.film.exposure == before {
+                setup.film.exposure = exposure;
+            }
+        }
+    }
+
     /// Looks from a camera that is known to be valid.
     pub(crate) fn set_camera(&mut self, camera: Camera) {
         self.change(None, |setup| setup.camera = camera);
@@ -345,7 +432,7 @@ impl Studio {
             ))
             .with_help("save the scene and begin anew"));
         }
-        let number = self.image_count + self.images.len();
+        let number = self.image_count();
         self.image_facts.push(json::image(&image));
         self.images.push(Arc::new(image));
         self.edit(None, |_, look| {
@@ -392,14 +479,30 @@ impl Studio {
             return Err(SceneError::new(message));
         }
         let environment = Environment { image: number, ..piece("environment", keys).environment()? };
-        environment.validate(self.image_count + self.images.len())?;
+        environment.validate(self.image_count())?;
         Ok(environment)
     }
 
     fn edited_material(&self, old: &Material, set: &Piece) -> Result<Material, SceneError> {
         let new = set.material(old, self.unit)?;
-        new.validate(self.image_count + self.images.len(), self.table_count)?;
+        new.validate(self.image_count(), self.table_count)?;
         Ok(new)
+    }
+
+    /// The name of a material that is given a preset, or not: others have other names, now and in the file that a saved scene
+    /// extends.
+    fn name_after(&self, preset: Option<&str>, look: &Look, index: usize) -> String {
+        let Some(preset) = preset else { return look.materials[index].name.clone() };
+        let origin = &self.origin.looks[0].materials;
+        let all = look.materials.iter().zip(origin).enumerate();
+        let others = all.filter(|(other, _)| *other != index);
+        let others = others.flat_map(|(_, (now, then))| [now.name.as_str(), then.name.as_str()]);
+        name_after_preset(&origin[index], self.unit, preset, others).to_owned()
+    }
+
+    /// Number of the scene's images and those of pages.
+    fn image_count(&self) -> usize {
+        self.own_images.len() + self.images.len()
     }
 
     /// Changes the looks that edits concern, all of them or, after an error, none.
@@ -423,6 +526,7 @@ impl Studio {
         if self.setup == before {
             return;
         }
+        self.disturb_meter(&before);
         if gesture.is_none() || gesture != self.gesture {
             self.done.push_back(before);
             let materials = self.setup.looks[0].materials.len().max(1);
@@ -434,9 +538,25 @@ impl Studio {
         self.undone.clear();
     }
 
+    /// Lets the meter know of a change: it does not meddle with a choice, and looks anew where the mesh has turned.
+    fn disturb_meter(&mut self, before: &Setup) {
+        let is_chosen = |setup: &Setup| setup.film.exposure != self.origin.film.exposure;
+        self.meter = match self.meter {
+            _ if self.setup.film.exposure != before.film.exposure => None,
+            _ if self.is_metered
+                && self.setup.base.orientation != before.base.orientation
+                && !is_chosen(&self.setup) =>
+            {
+                Some(Meter::default())
+            }
+            meter => meter.and_then(Meter::after_change),
+        };
+    }
+
     fn step(&mut self, take: impl FnOnce(&mut Self) -> Option<Setup>, keep: impl FnOnce(&mut Self, Setup)) {
         if let Some(setup) = take(self) {
             let now = std::mem::replace(&mut self.setup, setup);
+            self.disturb_meter(&now);
             keep(self, now);
             self.gesture = None;
         }
@@ -466,199 +586,4 @@ fn check_method(integrator: &Integrator) -> Result<(), SceneError> {
             .with_help("render the saved scene with translucid render --subsurface-method point-based"));
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use translucid_load::{LoadOptions, still_life};
-    use translucid_scene::Pixels;
-
-    use super::*;
-    use crate::message::Numbered;
-
-    fn studio() -> Studio {
-        Studio::new(&still_life(&LoadOptions::default()).unwrap()).unwrap()
-    }
-
-    fn say(studio: &mut Studio, text: &str) -> Result<(), SceneError> {
-        studio.apply(Numbered::parse(text).message.unwrap())
-    }
-
-    fn radius(studio: &Studio, side: usize) -> f32 {
-        studio.setup.looks[side].materials[2].subsurface_radius.factor
-    }
-
-    fn set_radius(studio: &mut Studio, radius: f32, gesture: u32) {
-        let text = format!(
-            r#"{{"type":"material","index":2,"set":{{"subsurface_radius":{radius}}},"gesture":{gesture}}}"#
-        );
-        say(studio, &text).unwrap();
-    }
-
-    #[test]
-    fn gestures_are_steps_of_undo() {
-        let mut studio = studio();
-        let first = radius(&studio, 0);
-        for (value, gesture) in [(1.0, 1), (1.5, 1), (2.0, 1), (3.0, 2), (4.0, 2)] {
-            set_radius(&mut studio, value, gesture);
-        }
-        assert_eq!(studio.done.len(), 2);
-        let undo = |studio: &mut Studio| say(studio, r#"{"type":"undo"}"#).unwrap();
-        undo(&mut studio);
-        assert_eq!(radius(&studio, 0), 2.0);
-        undo(&mut studio);
-        assert_eq!(radius(&studio, 0), first);
-        undo(&mut studio);
-        assert_eq!(radius(&studio, 0), first);
-        for _ in 0..2 {
-            say(&mut studio, r#"{"type":"redo"}"#).unwrap();
-        }
-        assert_eq!(radius(&studio, 0), 4.0);
-        // The same gesture after an undo is a step of its own, and forgets what was undone
-        undo(&mut studio);
-        set_radius(&mut studio, 9.0, 2);
-        assert!(studio.undone.is_empty() && studio.done.len() == 2);
-        say(&mut studio, r#"{"type":"reset"}"#).unwrap();
-        assert_eq!(radius(&studio, 0), first);
-        undo(&mut studio);
-        assert_eq!(radius(&studio, 0), 9.0);
-    }
-
-    #[test]
-    fn edits_concern_the_active_side() {
-        let mut studio = studio();
-        let first = radius(&studio, 0);
-        assert!(say(&mut studio, r#"{"type":"side","side":"b"}"#).is_err());
-        say(&mut studio, r#"{"type":"compare","on":true}"#).unwrap();
-        say(&mut studio, r#"{"type":"side","side":"b"}"#).unwrap();
-        set_radius(&mut studio, 5.0, 1);
-        assert_eq!([0, 1].map(|side| radius(&studio, side)), [first, 5.0]);
-        say(&mut studio, r#"{"type":"show","view":"flip"}"#).unwrap();
-        say(&mut studio, r#"{"type":"swap"}"#).unwrap();
-        assert_eq!([0, 1].map(|side| radius(&studio, side)), [5.0, first]);
-        say(&mut studio, r#"{"type":"compare","on":false}"#).unwrap();
-        let wanted = studio.wanted();
-        assert!(wanted.looks[1].is_none() && wanted.active == Side::A && !wanted.shown.compares());
-    }
-
-    #[test]
-    fn wrong_edits_change_nothing_and_say_what_is_allowed() {
-        let mut studio = studio();
-        let before = studio.state(&[], "").message(None);
-        for (text, words) in [
-            (r#"{"type":"material","index":99,"set":{}}"#, "material 99 is not there"),
-            (r#"{"type":"material","index":2,"set":{"subsurface_color":2}}"#, "must be in [0, 1]"),
-            (
-                r#"{"type":"material","index":2,"set":{"subsurface_colour":1}}"#,
-                "it has no key subsurface_colour",
-            ),
-            (
-                r#"{"type":"material","index":2,"set":{"base_color":{"file":"/etc/passwd"}}}"#,
-                "no further images",
-            ),
-            (r#"{"type":"material","index":2,"set":{"geometry_normal":"/etc/passwd"}}"#, "no further images"),
-            (
-                r#"{"type":"material","index":2,"set":{"subsurface_table":"/etc/passwd"}}"#,
-                "no further tables",
-            ),
-            (r#"{"type":"film","set":{"size":[16384,16384]}}"#, "but a page shows at most"),
-            (r#"{"type":"film","set":{"exposure":99}}"#, "must be in [-32, 32]"),
-            (r#"{"type":"integrator","set":{"samples_per_pixel":0}}"#, "samples_per_pixel is 0"),
-            (
-                r#"{"type":"environment","environment":{"radiance":[1,1,1],"image":3,"rotation":0,"visible":true}}"#,
-                "image",
-            ),
-            (
-                r#"{"type":"light","index":0,"light":{"type":"sphere","center":[0,0,0],"radius":-1,"radiance":[1,1,1],"visible":true}}"#,
-                "light 0: radius is -1, but must be in (0, 1e10]",
-            ),
-            (
-                r#"{"type":"camera","camera":{"position":[0,0,0],"target":[0,0,0],"up":[0,1,0],"fov":40,"shift":[0,0],"lens_radius":0,"focus_distance":1}}"#,
-                "target",
-            ),
-            (r#"{"type":"show","view":"everything"}"#, "must be one of radiance"),
-        ] {
-            let error = say(&mut studio, text).unwrap_err().to_string();
-            assert!(error.contains(words), "{text}: {error}");
-        }
-        assert_eq!(studio.state(&[], "").message(None), before);
-    }
-
-    #[test]
-    fn preset_keeps_the_name() {
-        let mut studio = studio();
-        let name = studio.active_look().materials[2].name.clone();
-        say(&mut studio, r#"{"type":"material","index":2,"set":{"preset":"jade"}}"#).unwrap();
-        let material = &studio.active_look().materials[2];
-        assert_eq!(material.name, name);
-        assert!(material.subsurface_color.texture.is_none() && !material.subsurface_color.vertex_color);
-    }
-
-    #[test]
-    fn images_of_pages_light_the_scene() {
-        let mut studio = studio();
-        let image = || Image {
-            name: "sky.hdr".into(),
-            path: None,
-            width: 1,
-            height: 1,
-            color_space: translucid_scene::ColorSpace::Linear,
-            pixels: Pixels::Float(vec![[1.0; 4]]),
-        };
-        studio.add_environment(image()).unwrap();
-        assert_eq!(studio.active_look().environment.unwrap().image, Some(0));
-        for _ in 1..MOST_IMAGES {
-            studio.add_environment(image()).unwrap();
-        }
-        assert!(studio.add_environment(image()).is_err());
-    }
-
-    /// A page's messages, to be broken.
-    const MESSAGES: [&str; 10] = [
-        r#"{"type":"material","index":3,"set":{"subsurface_radius":0.5,"subsurface_color":[0.5,0.4,0.3]},"gesture":1}"#,
-        r#"{"type":"material","index":4,"set":{"preset":"jade","subsurface_model":"dipole"}}"#,
-        r#"{"type":"light","index":0,"light":{"type":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}"#,
-        r#"{"type":"environment","environment":{"radiance":[1,1,1],"image":null,"rotation":30,"visible":false}}"#,
-        r#"{"type":"integrator","set":{"samples_per_pixel":2,"subsurface_sharing":false,"seed":7}}"#,
-        r#"{"type":"film","set":{"exposure":1.5,"tone_mapping":"agx","size":[24,16]}}"#,
-        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"fov":40,"shift":[0,0],"lens_radius":0,"focus_distance":60}}"#,
-        r#"{"type":"compare","on":true}"#,
-        r#"{"type":"side","side":"b"}"#,
-        r#"{"type":"undo"}"#,
-    ];
-
-    /// More than 100,000 are read, most of them refused; whatever is not leaves a state that is valid.
-    #[test]
-    fn mutated_messages_are_refused_or_valid() {
-        let mut scene = still_life(&LoadOptions::default()).unwrap();
-        let mut studio = Studio::new(&scene).unwrap();
-        let (mut read, mut applied) = (0, 0);
-        for text in MESSAGES {
-            for bytes in translucid_testing::mutants(text.as_bytes(), 10_500) {
-                read += 1;
-                let message = Numbered::parse(&String::from_utf8_lossy(&bytes)).message;
-                if message.is_ok_and(|message| studio.apply(message).is_ok()) {
-                    applied += 1;
-                    scene.camera = *studio.camera();
-                    scene.film = studio.setup.film;
-                    let look = studio.active_look();
-                    scene.materials.clone_from(&look.materials);
-                    scene.lights.clone_from(&look.lights);
-                    scene.environment = look.environment;
-                    scene.integrator = look.integrator;
-                    let parts = [scene.camera.validate(), scene.film.validate(), scene.integrator.validate()];
-                    let materials = (0..scene.materials.len()).map(|i| scene.validate_material(i));
-                    let lights = (0..scene.lights.len()).map(|i| scene.validate_light(i));
-                    let all = parts
-                        .into_iter()
-                        .chain(materials)
-                        .chain(lights)
-                        .chain([scene.validate_environment()]);
-                    all.for_each(|result| result.unwrap());
-                }
-            }
-        }
-        assert!(read > 100_000 && applied > 100 && applied < read / 2, "{applied} of {read}");
-        assert!(studio.done.len() <= MOST_STEPS);
-    }
 }

@@ -10,6 +10,8 @@ use translucid_laboratory::picture::{
 use translucid_render::{FilmLayer, FilmSums, ImageInfo, TileSums, layer};
 use translucid_scene::Film;
 
+use crate::smooth::{Mean, SmoothLight};
+
 /// About so many pixels tell the noise of a film.
 const PIXELS_FOR_NOISE: f64 = 65536.0;
 
@@ -55,21 +57,31 @@ impl Shown {
     }
 }
 
-/// RGBA codes of a layer, row by row from the top: of all light the codes of the command's PNG, denoised if that is given.
-pub(crate) fn layer_codes(
-    film: &FilmSums,
-    shown: FilmLayer,
-    settings: &Film,
-    denoised: Option<Denoised>,
-) -> Vec<u8> {
+/// All light of a film, as it is shown.
+pub(crate) enum Light {
+    AsRendered,
+    Denoised(Denoised),
+    Smoothed(SmoothLight),
+}
+
+/// RGBA codes of a layer, row by row from the top: of all light as it was rendered, or denoised, those of the command's PNG.
+pub(crate) fn layer_codes(film: &FilmSums, shown: FilmLayer, settings: &Film, all: Light) -> Vec<u8> {
     let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
     let plain = DisplayTransform { exposure: 0.0, tone_mapping: ToneMapping::Srgb };
+    let (denoised, smoothed) = match all {
+        Light::AsRendered => (None, None),
+        Light::Denoised(denoised) => (Some(denoised), None),
+        Light::Smoothed(light) => (None, Some(light)),
+    };
     let info = ImageInfo { denoised, ..ImageInfo::default() };
     let light = |range: std::ops::Range<usize>| {
-        picture(film, move |mean| [mean[range.start], mean[range.start + 1], mean[range.start + 2]])
+        picture(film, move |_, mean| [mean[range.start], mean[range.start + 1], mean[range.start + 2]])
     };
     let (picture, display) = match shown {
-        FilmLayer::Radiance | FilmLayer::Alpha => (film.display_picture(&info), display),
+        FilmLayer::Radiance | FilmLayer::Alpha => match smoothed {
+            Some(light) => (picture(film, move |at, mean| light.radiance(at, mean)), display),
+            None => (film.display_picture(&info), display),
+        },
         FilmLayer::Diffuse => (light(layer::DIFFUSE), display),
         FilmLayer::Specular => (light(layer::SPECULAR), display),
         FilmLayer::Subsurface => (light(layer::SUBSURFACE), display),
@@ -78,7 +90,7 @@ pub(crate) fn layer_codes(
         FilmLayer::Normal => (picture(film, normal_color), plain),
         FilmLayer::Depth => {
             let (near, far) = depths(film);
-            let shade = move |mean: &Mean| {
+            let shade = move |_, mean: &Mean| {
                 let depth = mean[layer::DEPTH] / mean[layer::SURFACE].max(f64::MIN_POSITIVE);
                 let share = 1.0 - 0.9 * (depth - near) / (far - near).max(f64::MIN_POSITIVE);
                 [decoded(share) * mean[layer::SURFACE].min(1.0); 3]
@@ -90,22 +102,20 @@ pub(crate) fn layer_codes(
     picture.display_codes(display).unwrap_or_default()
 }
 
-type Mean = [f64; layer::COUNT];
-
-/// A picture of a color that a pixel's mean values have, with its coverage.
-fn picture<'a>(film: &'a FilmSums, color: impl Fn(&Mean) -> [f64; 3] + Sync + 'a) -> Picture<'a> {
+/// A picture of a color that a pixel has by its place and mean values, with its coverage.
+fn picture<'a>(film: &'a FilmSums, color: impl Fn([u32; 2], &Mean) -> [f64; 3] + Sync + 'a) -> Picture<'a> {
     let channels = ["R", "G", "B", "A"].map(PictureChannel::single).to_vec();
     Picture::new([film.width, film.height], channels, move |y, row: &mut [f64]| {
         for (x, pixel) in (0..).zip(row.chunks_exact_mut(4)) {
             let mean = film.mean(x, y);
-            pixel[..3].copy_from_slice(&color(&mean));
+            pixel[..3].copy_from_slice(&color([x, y], &mean));
             pixel[3] = mean[layer::ALPHA];
         }
     })
 }
 
 /// A normal's components from −1 … 1 as codes from black to white, where there is one.
-fn normal_color(mean: &Mean) -> [f64; 3] {
+fn normal_color(_: [u32; 2], mean: &Mean) -> [f64; 3] {
     let normal = [0, 1, 2].map(|c| mean[layer::NORMAL.start + c]);
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length == 0.0 {
@@ -129,7 +139,7 @@ fn depths(film: &FilmSums) -> (f64, f64) {
 }
 
 /// A film for comparisons; its background is black.
-pub(crate) fn comparable(film: &FilmSums, settings: &Film) -> laboratory::Picture {
+pub fn comparable(film: &FilmSums, settings: &Film) -> laboratory::Picture {
     let exposure = settings.exposure.exp2();
     let rows: Vec<Vec<PicturePixel>> = (0..film.height)
         .into_par_iter()
@@ -209,16 +219,16 @@ mod tests {
         for shown in Shown::ALL {
             assert_eq!(Shown::from_name(shown.name()), Some(shown));
             let Shown::Layer(layer) = shown else { continue };
-            let codes = layer_codes(&film, layer, &settings, None);
+            let codes = layer_codes(&film, layer, &settings, Light::AsRendered);
             assert_eq!(codes.len(), 32);
             assert_eq!(codes[8..16], [0; 8], "{shown:?}");
         }
-        let light = layer_codes(&film, FilmLayer::Radiance, &settings, None);
-        assert_eq!(light, layer_codes(&film, FilmLayer::Subsurface, &settings, None));
+        let light = layer_codes(&film, FilmLayer::Radiance, &settings, Light::AsRendered);
+        assert_eq!(light, layer_codes(&film, FilmLayer::Subsurface, &settings, Light::AsRendered));
         assert!(light[0] > light[1] && light[1] > light[2] && light[3] == 255);
-        let normal = layer_codes(&film, FilmLayer::Normal, &settings, None);
+        let normal = layer_codes(&film, FilmLayer::Normal, &settings, Light::AsRendered);
         assert!(normal[0].abs_diff(128) <= 1 && normal[2] == 255, "{normal:?}");
-        let depth = layer_codes(&film, FilmLayer::Depth, &settings, None);
+        let depth = layer_codes(&film, FilmLayer::Depth, &settings, Light::AsRendered);
         assert!(depth[0] == 255 && depth[4].abs_diff(26) <= 1, "{depth:?}");
     }
 

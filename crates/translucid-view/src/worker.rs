@@ -13,7 +13,7 @@ use std::time::Duration;
 use serde_json::json;
 use tokio::sync::watch;
 use translucid_gpu::program;
-use translucid_load::{ExtendedBase, LoadOptions, give_file, load_scene, still_life};
+use translucid_load::{ExtendedBase, LoadOptions, Orientation, give_file, load_oriented, still_life};
 use translucid_render::PreparedScene;
 use translucid_render::device::DeviceLimits;
 use translucid_scene::{Scene, SceneError, SubsurfaceMethod, Warning};
@@ -23,7 +23,7 @@ use crate::engine::Engine;
 use crate::files::{PictureFormat, bring_environment, encode_picture};
 use crate::message::Side;
 use crate::page_state::PageState;
-use crate::settings::{Devices, ScriptDevice, Settings};
+use crate::settings::{Devices, MeshToTurn, ScriptDevice, Settings};
 use crate::shared::{Frame, Shared};
 
 /// Pixels of a film that nobody has chosen: a worker has one thread.
@@ -308,10 +308,11 @@ struct Session {
 impl Session {
     fn open(name: &str, device: Option<ScriptDevice>) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let scene = load(name, Some(SIZE), &mut warnings)?;
+        let (scene, orientation) = load(name, Some(SIZE), None, &mut warnings)?;
         let prepared = PreparedScene::new(scene)?;
         let notes = prepared.notes().iter().map(ToString::to_string).collect();
-        let shared = Shared::new(prepared.scene(), prepared.picker(), notes, settings(name, device))?;
+        let shared =
+            Shared::new(prepared.scene(), prepared.picker(), notes, settings(name, orientation, device))?;
         // For as long as the worker lives, which is that of the session
         let shared: &'static Shared = Box::leak(Box::new(shared));
         let engine = Engine::new(shared, prepared, &QUIT);
@@ -339,6 +340,7 @@ impl Session {
         let answer = match hear(self.shared, text) {
             Heard::Answer(answer) => answer,
             Heard::Question(question) => question.answer(self.shared),
+            Heard::Turn(turn) => turn.answer(self.shared),
             Heard::Painted(frame) => {
                 for number in &mut self.on_their_way {
                     number.take_if(|number| *number == frame);
@@ -402,30 +404,41 @@ impl Session {
 }
 
 /// Loads the file of a name, or the still life where that is empty.
-fn load(name: &str, size: Option<[u32; 2]>, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
+fn load(
+    name: &str,
+    size: Option<[u32; 2]>,
+    turned: Option<Orientation>,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Scene, Option<Orientation>), SceneError> {
     // A scene file has a size of its own
     let size = size.filter(|_| !name.ends_with(".toml"));
     let options = LoadOptions { size, ..LoadOptions::default() };
-    let mut scene = match name {
-        "" => still_life(&options)?,
-        name => load_scene(Path::new(name), &options, warnings)?,
+    let options = turned.map_or(options.clone(), |turned| turned.apply(options));
+    let (mut scene, orientation) = match name {
+        "" => (still_life(&options)?, None),
+        name => load_oriented(Path::new(name), &options, warnings)?,
     };
     if scene.integrator.subsurface_method == SubsurfaceMethod::PointBased {
         scene.integrator.subsurface_method = SubsurfaceMethod::RayTraced;
         let message = String::from("subsurface_method is ray-traced here: a browser is too slow for points");
         warnings.push(Warning { message, place: None });
     }
-    Ok(scene)
+    Ok((scene, orientation))
 }
 
-fn settings(name: &str, device: Option<ScriptDevice>) -> Settings {
+fn settings(name: &str, orientation: Option<Orientation>, device: Option<ScriptDevice>) -> Settings {
     let names = device.iter().map(|device| device.name.clone()).collect();
-    let base = name.to_owned();
+    let [base, mesh] = [name.to_owned(), name.to_owned()];
+    let load_at =
+        |name: &str, size, turned| load(name, size, turned, &mut Vec::new()).map(|(scene, _)| scene);
+    let load_turned = move |orientation, size: [u32; 2]| load_at(&mesh, Some(size), Some(orientation));
     let (name, extends) = if name.is_empty() { ("still life", "still-life") } else { (name, name) };
     Settings {
         name: name.to_owned(),
         base: ExtendedBase { extends: extends.to_owned(), ..ExtendedBase::default() },
-        load_base: Box::new(move || load(&base, None, &mut Vec::new())),
+        load_base: Box::new(move |turned| load_at(&base, None, turned)),
+        mesh: orientation.map(|orientation| MeshToTurn { orientation, load: Box::new(load_turned) }),
+        is_metered: orientation.is_some(),
         command: String::from("translucid view, in a browser"),
         options: String::new(),
         devices: Devices { names, by_script: device, ..Devices::default() },

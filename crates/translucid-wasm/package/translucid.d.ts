@@ -388,7 +388,7 @@ export interface LayersOptions {
  * - `diffuse_transmittance`: part of the light that leaves below scattered
  * - `absorbed_by_layer_1`: part of the light that a layer absorbs, a column for each
  * - `absorbed_by_ground`: part of the light that a ground absorbs
- * - `error`: estimated numerical error of each part
+ * - `error`: estimated numerical error of each part, and what every second row of a phase function's table changes
  */
 export function layers(layers: {
     /** Medium above the layers. Default: air. */

@@ -5,6 +5,9 @@
 let module;
 let loading;
 
+/** The first four bytes of a module, `\0asm`. */
+const MAGIC = 0x0061736d;
+
 /** An argument that cannot be used; its message has the value found and the values allowed. */
 export class TranslucidError extends Error {
     name = "TranslucidError";
@@ -32,8 +35,17 @@ async function load(source) {
         wasm = files ? await files.readFile(new URL(address)) : await fetch(found);
     }
     if (wasm instanceof Response) {
-        if (!wasm.ok) throw new TranslucidError(`cannot load ${wasm.url}: status ${wasm.status}`);
+        const { url, ok, status, headers } = wasm;
+        if (!ok) throw new TranslucidError(`cannot load ${url}: status ${status}`);
         wasm = await wasm.arrayBuffer();
+        // A server that does not know the file may answer with its page, and no error
+        if (new DataView(wasm).byteLength < 4 || new DataView(wasm).getUint32(0) !== MAGIC) {
+            const type = headers.get("content-type") ?? "of no type";
+            throw new TranslucidError(
+                `${url} is no WebAssembly module: status ${status}, ${type}. Pass the module's address to init(); ` +
+                    'with the development server of Vite 5 to 7 set optimizeDeps: { exclude: ["translucid"] }',
+            );
+        }
     }
     const made = await WebAssembly.instantiate(wasm, {});
     return (made.instance ?? made).exports;

@@ -57,7 +57,7 @@ pub(crate) fn systems() -> Value {
         ((*name).to_owned(), json!(default))
     };
     let describe = |system: &System| {
-        let unit = system.unit.name().unwrap_or("scene");
+        let unit = system.unit.map_or("scene", Unit::name);
         json!({
             "name": system.name,
             "title": system.title,

@@ -6,9 +6,10 @@ use serde_json::Value;
 use translucid_export::{Export, ExportError, Material, Sizes, Subject, Target};
 use translucid_profile::convention::{Unit, preset};
 use translucid_profile::{Configuration, Model, Parameterization};
+use translucid_words::Spelling;
 
 use crate::conversion::unit;
-use crate::options::{self, Options, spelled, unknown};
+use crate::options::{self, Options, unknown};
 
 /// The export that options describe.
 pub(crate) fn export(mut options: Options) -> Result<Value, String> {
@@ -39,13 +40,7 @@ pub(crate) fn export(mut options: Options) -> Result<Value, String> {
     let material = material(&mut options, &mut say)?;
     let given_configuration = options.configuration()?;
     if let Some(configuration) = given_configuration {
-        say(
-            "configuration",
-            match configuration {
-                Configuration::Searchlight => "searchlight",
-                Configuration::Diffuse => "diffuse",
-            },
-        );
+        say("configuration", configuration.name());
     }
     let mut number = |name: &'static str, option: &str| -> Result<Option<f64>, String> {
         let found = options.number(name)?;
@@ -150,7 +145,7 @@ fn message(error: &ExportError, is_dmfp: bool) -> String {
     let parameter = match error.parameter {
         "length" if is_dmfp => String::from("dmfp"),
         "length" => String::from("mfp"),
-        other => spelled(other),
+        other => Spelling::Camel.of(other),
     };
     format!("{parameter} is {}, but must be {}", error.found, error.allowed)
 }

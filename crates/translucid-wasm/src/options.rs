@@ -5,6 +5,7 @@
 
 use serde_json::{Map, Value};
 use translucid_profile::{Configuration, Model, ParameterError, nearest};
+use translucid_words::Spelling;
 
 /// Options that are not read yet, and the names of those that may be there.
 pub(crate) struct Options {
@@ -58,12 +59,9 @@ impl Options {
     }
 
     pub(crate) fn configuration(&mut self) -> Result<Option<Configuration>, String> {
-        match self.text("configuration")?.as_deref() {
-            None => Ok(None),
-            Some("searchlight") => Ok(Some(Configuration::Searchlight)),
-            Some("diffuse") => Ok(Some(Configuration::Diffuse)),
-            Some(other) => Err(unknown("configuration", other, &["searchlight", "diffuse"])),
-        }
+        let Some(name) = self.text("configuration")? else { return Ok(None) };
+        let known = Configuration::WORDS.map(|(word, _)| word);
+        Configuration::from_name(&name).map(Some).ok_or_else(|| unknown("configuration", &name, &known))
     }
 
     /// Refuses options that nobody has read.
@@ -118,19 +116,7 @@ pub(crate) fn model(name: &str) -> Result<Model, String> {
 
 /// The message of an error, with its parameter's name in the spelling of JavaScript.
 pub(crate) fn message(error: &ParameterError) -> String {
-    error.to_string().replacen(error.parameter, &spelled(error.parameter), 1)
-}
-
-/// A name as JavaScript spells it: `surface_albedo` is `surfaceAlbedo`.
-pub(crate) fn spelled(name: &str) -> String {
-    let mut words = name.split('_');
-    let mut spelled = words.next().unwrap_or_default().to_owned();
-    for word in words {
-        let mut letters = word.chars();
-        spelled.extend(letters.next().into_iter().flat_map(char::to_uppercase));
-        spelled += letters.as_str();
-    }
-    spelled
+    error.to_string().replacen(error.parameter, &Spelling::Camel.of(error.parameter), 1)
 }
 
 /// Refuses numbers outside a range.
@@ -199,8 +185,6 @@ mod tests {
 
     #[test]
     fn names_are_spelled_as_in_javascript() {
-        assert_eq!(spelled("single_scattering_albedo"), "singleScatteringAlbedo");
-        assert_eq!(spelled("g"), "g");
         let error = ParameterError::new("sigma_a", -1.0, "at least 0");
         assert_eq!(message(&error), "sigmaA is -1, but must be at least 0");
     }

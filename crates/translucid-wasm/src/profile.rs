@@ -31,10 +31,7 @@ pub(crate) fn of_appearance(mut options: Options) -> Result<Arc<dyn Profile>, St
     };
     let g = options.number("g")?.unwrap_or(0.0);
     let eta = options.number("eta")?.unwrap_or(1.0);
-    let configuration = options.configuration()?.unwrap_or(match parameterization {
-        Parameterization::Mfp => Configuration::Diffuse,
-        Parameterization::Dmfp => Configuration::Searchlight,
-    });
+    let configuration = options.configuration()?.unwrap_or(parameterization.usual_configuration());
     options.finish()?;
     let appearance = Appearance { surface_albedo, length, parameterization, g };
     let made = model.profile(&appearance, configuration, eta).map_err(|error| {

@@ -278,19 +278,6 @@ pub fn whole(place: &mut u64, range: WholeInterval) -> Box<dyn QuestionSlot + '_
     })
 }
 
-/// A whole number that may be missing.
-pub fn optional_whole(place: &mut Option<u64>, range: WholeInterval) -> Box<dyn QuestionSlot + '_> {
-    Box::new(Simple {
-        place,
-        kind: Kind::Whole(range),
-        read: |place, item, kind| match kind {
-            Kind::Whole(range) => read_whole(item, *range).map(|n| *place = Some(n)),
-            _ => Ok(()),
-        },
-        value: |n| n.map(Value::from),
-    })
-}
-
 fn read_whole(item: &Item<'_>, range: WholeInterval) -> Result<u64, Error> {
     match item.content() {
         Content::Float(x) if *x >= 0.0 && x.fract() == 0.0 && *x < 1.8e19 && range.contains(*x as u64) => {

@@ -103,14 +103,6 @@ impl Interval {
         if self.contains_single(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
     }
 
-    /// Refuses a field's number in double precision that is not in the interval.
-    ///
-    /// # Errors
-    /// As [`check`](Self::check).
-    pub fn check_double(self, field: &str, value: f64) -> Result<(), Error> {
-        if self.contains(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
-    }
-
     /// Refuses a field's numbers if one is not in the interval, and names it.
     ///
     /// # Errors

@@ -24,8 +24,8 @@ mod word;
 
 pub use ask::{
     Context, Described, Kind, Load, Parse, Placed, QuestionSlot, Questions, Varied, Vary, describe, document,
-    flag, number, numbers, optional, optional_whole, optional_word, parsed, path, table, text, texts, things,
-    varied, whole, word, words,
+    flag, number, numbers, optional, optional_word, parsed, path, table, text, texts, things, varied, whole,
+    word, words,
 };
 pub use color::{hexadecimal_color, linear_from_srgb};
 pub use data_table::{Cell, Column, DataTable, exact};

@@ -171,7 +171,8 @@ impl<'a> Table<'a> {
         };
         let keys: Vec<String> = self.keys.iter().map(spelled).collect();
         let all = format!("the keys are {}", keys.join(", "));
-        let help = match nearest(&entry.key, keys.iter().map(String::as_str)) {
+        let near = nearest(&entry.key, keys.iter().map(String::as_str)).map(str::to_owned);
+        let help = match near.or_else(|| meant_by(&entry.key, &self.keys).map(spelled)) {
             Some(near) => format!("did you mean {near}? {all}"),
             None => all,
         };
@@ -519,6 +520,28 @@ impl<'a> Item<'a> {
         let span = if self.value.span.is_empty() { self.key_span.clone() } else { self.value.span.clone() };
         Ok(Table { source: self.source, entries, span, path: self.path.clone(), keys: Vec::new() })
     }
+}
+
+/// Keys by the names that they have in other programs, which no spelling leads to.
+const OTHER_NAMES: &[(&str, &[&str])] = &[
+    ("file", &["mesh", "path", "filename", "image", "texture", "uri"]),
+    ("base_color", &["albedo", "color", "diffuse", "diffuse_color"]),
+    ("base_metalness", &["metallic", "metal"]),
+    ("geometry_opacity", &["alpha", "opacity"]),
+    ("specular_ior", &["eta", "index", "index_of_refraction", "ior"]),
+    ("specular_roughness", &["roughness"]),
+    ("subsurface_color", &["scattering_color", "surface_albedo"]),
+    ("subsurface_radius", &["mean_free_path", "mfp"]),
+    ("subsurface_scatter_anisotropy", &["anisotropy", "g"]),
+    ("translate", &["location", "position", "translation"]),
+    ("samples", &["spp"]),
+    ("position", &["from", "location", "origin"]),
+    ("target", &["look_at", "lookat", "to"]),
+];
+
+/// The key that another program's name stands for, if it is one of these.
+fn meant_by<'a>(name: &str, keys: &'a [&'static str]) -> Option<&'a &'static str> {
+    keys.iter().find(|key| OTHER_NAMES.iter().any(|(ours, others)| ours == *key && others.contains(&name)))
 }
 
 /// Text as a message shows it: one line, not too long.

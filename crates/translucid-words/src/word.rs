@@ -11,12 +11,11 @@ pub trait Word: Copy + PartialEq + 'static {
 }
 
 impl Word for Configuration {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
+    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
 }
 
 impl Word for Parameterization {
-    const WORDS: &'static [(&'static str, Self)] = &[("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
+    const WORDS: &'static [(&'static str, Self)] = &Self::WORDS;
 }
 
 impl Word for Unit {

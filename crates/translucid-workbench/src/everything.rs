@@ -8,7 +8,7 @@ use translucid_scene::description::SceneSlot;
 use translucid_scene::{
     Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, LayerMedium, Light, Material, Mesh,
     NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceLayer,
-    SubsurfaceModel, TextureRef, Unit, WalkSurface, Wrap,
+    SubsurfaceModel, TextureFilter, TextureRef, Unit, WalkSurface, Wrap,
 };
 
 /// A valid scene with every kind of light, of material and of texture, four triangulated tetrahedra and a film of 8 × 8
@@ -99,6 +99,7 @@ fn textured(mut material: Material) -> Material {
         image: 0,
         image_from_uv: Affine2::from_scale(Vec2::splat(2.0)),
         wrap: [Wrap::Mirror, Wrap::Clamp],
+        filter: TextureFilter::Nearest,
     };
     for field in Material::DESCRIPTION.fields {
         match (field.slot)(&mut material) {

@@ -50,7 +50,8 @@ pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> R
                     .columns
                     .splice(0..0, ["configuration", "parameter"].map(|name| String::from(name).into()));
                 for row in &mut table.rows {
-                    row.splice(0..0, [case.configuration_word(), case.parameter_word()].map(Cell::from));
+                    let words = [case.configuration.name(), case.parameterization.name()];
+                    row.splice(0..0, words.map(Cell::from));
                 }
                 match tables.get_mut(i) {
                     Some(all) => all.rows.extend(table.rows),
@@ -190,22 +191,6 @@ impl Case {
             family: FamilyName::Burley,
             max_radius,
         })
-    }
-
-    /// The configuration as the option has it.
-    fn configuration_word(&self) -> &'static str {
-        match self.configuration {
-            Configuration::Searchlight => "searchlight",
-            Configuration::Diffuse => "diffuse",
-        }
-    }
-
-    /// The parameter as the option has it.
-    fn parameter_word(&self) -> &'static str {
-        match self.parameterization {
-            Parameterization::Mfp => "mfp",
-            Parameterization::Dmfp => "dmfp",
-        }
     }
 
     /// First lines of a report: family, configuration, length and norm.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use translucid_desk::{LAYERS, load_layers};
 use translucid_profile::Configuration;
-use translucid_words::{Cell, Content, Entry, Value, Word};
+use translucid_words::{Cell, Content, Entry, Value};
 
 use super::layers_walk::{TOTAL_COLUMNS, print_walked_totals};
 use super::{Method, ReferenceArguments};
@@ -25,7 +25,9 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
             let message = "--tolerance belongs to the exact solution, not to a walk";
             return Err(Failure::input(message).with_help("a walk has the errors of its --photons"));
         }
-        return print_walked_totals(arguments, file, &load_layers(file)?, arguments.incidence()?);
+        let layers = load_layers(file)?;
+        layers.warnings().iter().for_each(|warning| messages::print_warning(warning));
+        return print_walked_totals(arguments, file, &layers, arguments.incidence()?);
     }
     if !arguments.absorption.is_empty() {
         return Err(Failure::input(
@@ -35,8 +37,8 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
     }
     arguments.walk.refuse_all()?;
     let stated = |key: &str, value: Option<Value>| value.map(|value| Entry::new(key, value));
-    let word = |name| Configuration::WORDS.iter().find(|(_, value)| *value == Configuration::from(name));
-    let configuration = arguments.configuration.and_then(word).map(|(name, _)| Value::from(*name));
+    let word = |name| Value::from(Configuration::from(name).name());
+    let configuration = arguments.configuration.map(word);
     let radii = arguments.radii.iter()?.collect::<Vec<f64>>();
     let entries = [
         stated("layers", file.to_str().map(Value::from)),
@@ -51,6 +53,7 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
             message: failure.message.replace("--r ", "the radii "),
             ..failure
         })?;
+    answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
     let table = &answer.tables[0];
     if arguments.radii.count() == 0 {
         // A row for each part
@@ -64,9 +67,7 @@ pub(super) fn run(arguments: &ReferenceArguments, file: &Path) -> Result<(), Fai
         return Err(several(file));
     }
     let rows = table.rows.iter().map(|row| std::array::from_fn(|column| row[column].clone()));
-    arguments.table.write_cells(PROFILE_COLUMNS, rows)?;
-    answer.warnings.iter().for_each(|warning| messages::print_warning(warning));
-    Ok(())
+    arguments.table.write_cells(PROFILE_COLUMNS, rows)
 }
 
 /// The failure of a file whose numbers differ between channels.

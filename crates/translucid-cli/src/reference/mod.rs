@@ -21,6 +21,7 @@ use translucid_reference::{Estimate, Incidence};
 
 use crate::failure::Failure;
 use crate::machine;
+use crate::messages;
 use crate::model::ConfigurationName;
 use crate::radii::RadiiArguments;
 use crate::table::{TableArguments, exact};
@@ -53,14 +54,14 @@ with standard errors of all runs. --seed and --threads are the walk's.
 Examples:
   translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
   translucid reference --method exact --single-scattering-albedo 0.9 --eta 1.4 --points 100 --max 10
-  translucid reference --layers skin.toml --incidence-angle 45
-  translucid reference --layers paint.toml --at 0.1,1,10
+  translucid reference --layers examples/layers/skin.toml --incidence-angle 45
+  translucid reference --layers examples/layers/paint.toml --at 0.1,1,10
   translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --phase-function two-term:0.9,0.8,-0.3 --at 1
   translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume
   translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons 1e9..2e9 -o part-1.npz
-  translucid reference --layers skin.mci";
+  translucid reference --layers examples/layers/skin.mci";
 
 /// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
 #[derive(Args, Debug)]
@@ -211,7 +212,12 @@ impl ReferenceArguments {
                 let g = exact(self.g);
                 return Err(Failure::input(format!("--g is {g}, but {text} states the mean cosine")));
             }
-            return Ok(read_phase_file(Path::new(text))?);
+            let phase_function = read_phase_file(Path::new(text))?;
+            phase_function
+                .warning()
+                .iter()
+                .for_each(|warning| messages::print_warning(&format!("{text}: {warning}")));
+            return Ok(phase_function);
         }
         let found = PhaseFunction::parse(text, self.g).map_err(|problem| {
             let option = if problem.starts_with("g is") { "--" } else { "--phase-function " };

@@ -3,17 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_load::{Floor, LoadOptions, Surroundings, UpAxis, Viewpoint};
-
-/// Most pictures of a turntable.
-const MOST_PICTURES: i64 = 3600;
+use translucid_load::{Floor, LoadOptions, MeshBase, Surroundings, UpAxis, Viewpoint};
 
 /// The options.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Look {
     /// Axis of a bare mesh that points up: x, y, z, -x, -y or -z
     ///
-    /// By default y, or z if a mesh other than glTF stands on the plane z = 0.
+    /// By default y, or the axis across the flat underside of a mesh other than glTF.
     #[arg(long, value_name = "AXIS", value_parser = parse_up, allow_hyphen_values = true)]
     up: Option<UpAxis>,
     /// Turn a bare mesh by degrees about x, y, then z, or y alone
@@ -37,11 +34,6 @@ pub(crate) struct Look {
     /// Enlarge things in the picture by this factor
     #[arg(long, value_name = "FACTOR", value_parser = parse_zoom, allow_negative_numbers = true)]
     zoom: Option<f32>,
-    /// Write N pictures, NAME-001 and so on, of one turn
-    ///
-    /// A bare mesh turns; in a scene the camera turns about its target.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PICTURES))]
-    pub(super) turntable: Option<u32>,
     /// Image of the sky (.hdr, .exr, .png, .jpg)
     ///
     /// It replaces the scene's environment, or the lights of a bare mesh.
@@ -57,7 +49,7 @@ pub(crate) struct Look {
 
 impl Look {
     /// The loader's options with these.
-    pub(super) fn of(&self, options: LoadOptions) -> LoadOptions {
+    pub(crate) fn of(&self, options: LoadOptions) -> LoadOptions {
         LoadOptions {
             up: self.up,
             rotate: self.rotate.unwrap_or_default(),
@@ -72,6 +64,19 @@ impl Look {
             },
             ..options
         }
+    }
+
+    /// The keys of a scene file that extends the bare mesh, by these options; the rest becomes its camera, lights and
+    /// environment.
+    pub(crate) fn of_base(&self, base: MeshBase) -> MeshBase {
+        // Without automatic lights there is no automatic floor either
+        let floor = self.floor.or(self.environment.is_some().then_some(Floor::None));
+        MeshBase { up: self.up, rotate: self.rotate.unwrap_or_default(), floor, viewpoint: self.view, ..base }
+    }
+
+    /// Whether a floor is made for one of a mesh's own cameras, which no scene file that extends the mesh can say.
+    pub(crate) fn has_floor_of_camera(&self) -> bool {
+        self.camera.is_some() && !matches!(self.floor, None | Some(Floor::None))
     }
 
     /// An option that is given and needs a mesh.

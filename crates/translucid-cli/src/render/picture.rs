@@ -163,7 +163,7 @@ impl<'a> Work<'a> {
             preparing: (task.loading + preparing).as_secs_f64(),
         };
         session.set_notes(notes(task, session.prepared().scene()), run);
-        if is_to_resume(task) {
+        if is_to_resume(task, &session) {
             session.resume(&task.outputs.checkpoint)?;
             messages::line(&format!("continuing from {} samples per pixel", session.film().samples()));
         }
@@ -176,8 +176,7 @@ impl<'a> Work<'a> {
 
     /// Numbers of the samples that each pixel shall have.
     fn goal(&self) -> Range<u32> {
-        let all = 0..self.session.prepared().scene().integrator.samples_per_pixel;
-        self.task.arguments.samples.clone().unwrap_or(all)
+        goal(self.task, &self.session)
     }
 
     /// Number of samples after which the film is kept as its first half; none where there is no use for it.
@@ -474,8 +473,14 @@ fn warn_once(is_warned: &AtomicBool, error: &OutputError) {
     }
 }
 
+/// Numbers of the samples that each pixel of a task shall have.
+fn goal(task: &Task<'_>, session: &Session) -> Range<u32> {
+    let all = 0..session.prepared().scene().integrator.samples_per_pixel;
+    task.arguments.samples.clone().unwrap_or(all)
+}
+
 /// Whether there is something of an earlier run to go on from, and that is wanted.
-fn is_to_resume(task: &Task<'_>) -> bool {
+fn is_to_resume(task: &Task<'_>, session: &Session) -> bool {
     let path = &task.outputs.checkpoint;
     match (task.arguments.resume, path.exists()) {
         (true, true) => return true,
@@ -483,11 +488,17 @@ fn is_to_resume(task: &Task<'_>) -> bool {
             messages::line(&format!("there is no {} yet: starting anew", path.display()));
         }
         (false, true) => {
-            let message = format!(
-                "the unfinished rendering {} will be replaced; --resume continues one of the same scene and settings",
-                path.display()
-            );
-            messages::print_note(&message);
+            let Range { start, end } = goal(task, session);
+            let has_all = |[from, to]: &[u32; 2]| *from <= start && end <= *to;
+            let kind = if task.outputs.is_shard() { "shard" } else { "rendering" };
+            let thing = format!("{kind} {}", path.display());
+            messages::print_note(&match session.open(path) {
+                Ok(shard) if shard.header().samples.iter().any(has_all) => {
+                    format!("the finished {thing} will be made anew; --resume keeps it")
+                }
+                Ok(_) => format!("the unfinished {thing} will be replaced; --resume continues it"),
+                Err(error) => format!("{}; it will be replaced", error.located_message()),
+            });
         }
         (_, false) => {}
     }

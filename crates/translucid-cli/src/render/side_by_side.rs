@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use translucid_image::PixelRect;
 use translucid_render::Session;
 use translucid_scene::{Film, Scene, SubsurfaceModel};
+use translucid_view::comparable;
 
 use super::picture::{self, Part, Rendering, Task};
-use super::statistics::compared;
 use super::tev::Tev;
 use super::{Arguments, exposure, inputs, scene, scene_name, stem};
 use crate::failure::Failure;
@@ -153,8 +153,8 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
     let first_half = rendering.first_half.as_ref().filter(|_| rendering.is_finished);
     Entry {
         model: model.name().to_owned(),
-        picture: compared(&rendering.film, settings),
-        first_half: first_half.map(|half| (compared(half, settings), [half.samples(), goal])),
+        picture: comparable(&rendering.film, settings),
+        first_half: first_half.map(|half| (comparable(half, settings), [half.samples(), goal])),
         samples: rendering.film.samples(),
         seconds: rendering.seconds,
         cpu_seconds: rendering.cpu_seconds,

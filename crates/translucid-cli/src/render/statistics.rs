@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use translucid_image::{PixelRect, display_from_linear};
-use translucid_laboratory::picture::{Picture, PicturePixel, relative_noise};
-use translucid_render::{FilmSums, Outcome, layer};
+use translucid_laboratory::picture::relative_noise;
+use translucid_render::{FilmSums, Outcome};
 use translucid_scene::{Film, Scene};
+use translucid_view::comparable;
 
 use crate::failure::Failure;
 use crate::files::write_file;
@@ -72,7 +72,7 @@ impl Statistics<'_> {
 
     fn relative_noise(&self, settings: &Film, film: &FilmSums) -> Option<f64> {
         let half = self.first_half.filter(|_| self.outcome == Outcome::Finished)?;
-        let [all, first] = [film, half].map(|film| compared(film, settings));
+        let [all, first] = [film, half].map(|film| comparable(film, settings));
         let noise = relative_noise([&all, &first], [half.samples(), film.samples()], &all);
         Some(noise).filter(|noise| noise.is_finite())
     }
@@ -86,18 +86,4 @@ pub(super) fn write(path: Option<&Path>, statistics: Value) -> Result<(), Failur
     };
     messages::event("statistics", statistics);
     written
-}
-
-/// A film as a picture; its background is black.
-pub(super) fn compared(film: &FilmSums, settings: &Film) -> Picture {
-    let exposure = settings.exposure.exp2();
-    let pixels = PixelRect::whole([film.width, film.height]).pixels().map(|(x, y)| {
-        let radiance = film.radiance(x, y).map(|value| value as f32);
-        PicturePixel {
-            radiance,
-            alpha: film.mean(x, y)[layer::ALPHA] as f32,
-            display: display_from_linear(settings.tone_mapping, radiance.map(|value| value * exposure)),
-        }
-    });
-    Picture::new(film.width as usize, film.height as usize, pixels)
 }

@@ -7,7 +7,7 @@ use translucid_image::{DisplayTransform, Picture, ToneMapping};
 use translucid_scene::Film;
 
 /// The options.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Tone {
     /// Exposure of FILE.png in stops, or auto
     ///
@@ -17,7 +17,8 @@ pub(crate) struct Tone {
     exposure: Option<ExposureWord>,
     /// Curve from light to FILE.png: srgb, neutral or agx
     ///
-    /// srgb clamps, neutral is Khronos PBR Neutral, agx is filmic. By default the scene's.
+    /// srgb clamps, neutral is Khronos PBR Neutral, agx is Troy Sobotka's filmic curve of 2022 (base look, in Rec. 709, by
+    /// Benjamin Wrensch's polynomial), not Blender's of that name. By default the scene's.
     #[arg(long, value_name = "CURVE", value_parser = parse_tone_mapping)]
     tone_mapping: Option<ToneMapping>,
 }
@@ -66,6 +67,11 @@ impl Exposure {
             Self::Metered(stops) => *stops.get_or_init(|| metered(picture)),
         };
         DisplayTransform { exposure, tone_mapping: film.tone_mapping }
+    }
+
+    /// Whether a picture decides.
+    pub(crate) fn is_metered(&self) -> bool {
+        matches!(self, Self::Metered(_))
     }
 
     /// The stops, where they are not metered.

@@ -41,7 +41,7 @@ pub(super) fn run(
         }
         let turn = 360.0 * number as f64 / f64::from(count);
         let start = Instant::now();
-        let (scene, warnings) =
+        let (scene, warnings, _) =
             scene_turned(arguments, model, Some(turn)).map_err(|failure| failure.of_picture(number))?;
         outputs.spare(inputs(arguments, &scene))?;
         arguments.watch.spare(inputs(arguments, &scene))?;

@@ -150,10 +150,7 @@ fn gltf_files() -> Vec<Broken> {
             )),
             &["model.gltf"],
         ),
-        gltf(
-            &with(r#""extensionsRequired":["KHR_draco_mesh_compression"]"#),
-            &["model.gltf", "KHR_draco_mesh_compression"],
-        ),
+        gltf(&with(r#""extensionsRequired":["KHR_texture_basisu"]"#), &["model.gltf", "KHR_texture_basisu"]),
         bytes("model.glb", b"glTF\x02\0\0\0", &["model.glb"]),
         bytes("model.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff\x04\0\0\0JSON{}  ", &["model.glb"]),
         bytes("model.glb", b"not a glTF file at all", &["model.glb"]),

@@ -1,7 +1,8 @@
 //! Running the command, and a scene that renders in a moment.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 /// The command, to be run in a directory.
 pub(crate) fn translucid(directory: &Path) -> Command {
@@ -20,6 +21,58 @@ pub(crate) fn stdout(directory: &Path, words: &str) -> String {
     let output = run(directory, words);
     assert_eq!(output.status.code(), Some(0), "{words}: {}", stderr(&output));
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// Starts the command with words separated by spaces; what it prints is for [`Child::wait_with_output`].
+pub(crate) fn start(directory: &Path, words: &str) -> Child {
+    let mut command = translucid(directory);
+    command.args(words.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Waits for an event. Whoever waits for a time instead waits too little on a busy machine.
+pub(crate) fn wait_for(event: &str, mut is_there: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_there() {
+        assert!(start.elapsed().as_secs() < 600, "{event} does not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Sends a signal, such as `-INT`, to a command that catches Ctrl-C by now, once something is there, and returns its end,
+/// which may come before.
+#[cfg(target_os = "linux")]
+pub(crate) fn signal(mut child: Child, name: &str, mut is_there: impl FnMut() -> bool) -> Output {
+    let mut has_ended = false;
+    wait_for("the moment for a signal", || {
+        has_ended = child.try_wait().unwrap().is_some();
+        has_ended || catches_interrupt(&child) && is_there()
+    });
+    if !has_ended {
+        send(child.id(), name);
+    }
+    child.wait_with_output().unwrap()
+}
+
+/// Sends a signal to a command that runs.
+#[cfg(target_os = "linux")]
+pub(crate) fn send(process: u32, name: &str) {
+    assert!(Command::new("kill").args([name, &process.to_string()]).status().unwrap().success());
+}
+
+/// Whether a process has a function for SIGINT, the second bit of the mask of caught signals (Linux, proc(5)).
+#[cfg(target_os = "linux")]
+fn catches_interrupt(child: &Child) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0)
+}
+
+/// CPU seconds of a process so far, of which Linux keeps account in hundredths (proc(5), fields 14 and 15).
+#[cfg(target_os = "linux")]
+pub(crate) fn cpu_seconds(process: u32) -> f64 {
+    let account = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    let fields = account.rsplit(')').next().unwrap().split_whitespace().skip(11).take(2);
+    fields.map(|ticks| ticks.parse::<f64>().unwrap() / 100.0).sum()
 }
 
 /// Standard error of the command.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use crate::common::{files, run, stderr, stdout, translucid};
+use crate::common::{files, run, signal, start, stderr, stdout};
 use translucid_fit::l1_error;
 use translucid_profile::{
     Appearance, Configuration, ExactProfile, Model, Parameterization, Profile, fresnel_from_inside,
@@ -231,21 +231,12 @@ fn a_users_files_stay_and_the_default_directory_is_comparison() {
     );
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn interrupt_leaves_nothing_behind() {
     let temporary = tempfile::tempdir().unwrap();
-    let mut child = translucid(temporary.path())
-        .args(["compare", "-o", "new", "--photons", "1e12", "--timing-rounds", "0", "--threads", "1"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    while !temporary.path().join("new").exists() {
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let child = start(temporary.path(), "compare -o new --photons 1e12 --timing-rounds 0 --threads 1");
+    let output = signal(child, "-INT", || temporary.path().join("new").exists());
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(files(temporary.path()).is_empty());
 }

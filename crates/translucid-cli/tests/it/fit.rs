@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Output;
 use std::sync::LazyLock;
 
-use crate::common::{files, run, stderr, stdout, translucid};
+use crate::common::{files, run, signal, start, stderr, stdout};
 use crate::markdown::root;
 use translucid_profile::NormalizedDiffusion;
 
@@ -339,27 +339,17 @@ fn gamma_of_a_published_table_is_that_of_isotropic_scattering() {
     }
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn interrupted_half_space_leaves_nothing_behind() {
-    use std::io::{BufRead, BufReader};
-
     let table = root().join("benches/measure/published/mcml-sample-1b.csv");
     let temporary = tempfile::tempdir().unwrap();
-    let mut child = translucid(temporary.path())
-        .args(["fit", "--family", "half-space", "--eta", "1.5", "-o", "new", "--table"])
-        .arg(table)
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    // Where there is no terminal the first line comes after five seconds, of more than twenty
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line.contains(" passed, ") && line.ends_with(" left")));
-    assert!(temporary.path().join("new").exists());
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(lines.any(|line| line.contains("nothing was written")));
+    let words = format!("fit --family half-space --eta 1.5 -o new --table {}", table.display());
+    let child = start(temporary.path(), &words);
+    // It takes more than twenty seconds
+    let output = signal(child, "-INT", || temporary.path().join("new").exists());
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nothing was written"), "{}", stderr(&output));
     assert!(files(temporary.path()).is_empty());
 }
 

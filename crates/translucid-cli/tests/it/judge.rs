@@ -6,6 +6,7 @@ use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 use serde_json::Value;
 use translucid_laboratory::oracle::LitShape;
 use translucid_profile::{Appearance, Configuration, Model, Parameterization, Profile};
+use translucid_testing::SplitMix;
 
 use crate::common::{files, run, stderr, stdout};
 use crate::markdown::root;
@@ -157,6 +158,76 @@ fn edges_through_pixels_and_diagonal_ones_are_right() {
     }
 }
 
+/// A pass by the light of a row, with noise of a part of each pixel's light, in the numbers that a curve makes of it.
+fn edge_with_noise(
+    path: &Path,
+    model: Model,
+    [noise, white]: [f64; 2],
+    random: &mut SplitMix,
+    curve: &dyn Fn(f64) -> f64,
+) {
+    let (profiles, [width, height]) = (profiles(model), [240, 48]);
+    let light = |x: usize, c: usize| {
+        let distance = (x as f64 + 0.5 - 120.3) * PIXEL;
+        white * LitShape::Edge { distance }.response(&*profiles[c]).value
+    };
+    let row: Vec<[f64; 3]> = (0..width).map(|x| [0, 1, 2].map(|c| light(x, c))).collect();
+    // Of unit variance
+    let mut normal = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
+    let mut value = |i: usize, c: usize| curve(row[i % width][c] * (1.0 + noise * normal())) as f32;
+    let pixels: Vec<[f32; 3]> = (0..width * height).map(|i| [0, 1, 2].map(|c| value(i, c))).collect();
+    let at = |at: Vec2<usize>| pixels[at.y() * width + at.x()].into();
+    Image::from_channels((width, height), SpecificChannels::rgb(at)).write().to_file(path).unwrap();
+}
+
+/// IEC 61966-2-1, section 5.2, from light to codes.
+fn code(light: f64) -> f64 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Noise of a pass is no mistake, and codes are none of the profile. Seed 11, twelve pictures.
+#[test]
+fn noise_and_codes_are_no_wrong_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pass.exr");
+    let mut random = SplitMix(11);
+    let mut judged = |model: Model, noise: f64, white: f64, curve: &dyn Fn(f64) -> f64| {
+        edge_with_noise(&path, model, [noise, white], &mut random, curve);
+        json(folder.path(), &format!("pass.exr --setup edge {MATERIAL} --white {}", curve(white)))
+    };
+    let sentence = |row: &Value| row["sentence"].as_str().unwrap().to_owned();
+    let linear = |light: f64| light;
+    for _ in 0..3 {
+        for row in judged(Model::Exact, 0.03, 2.0, &linear) {
+            assert!(row["verdict"] == "right" && sentence(&row).contains("; noise is "), "{row}");
+            assert!((0.001..0.02).contains(&row["noise"].as_f64().unwrap()), "{row}");
+        }
+        for row in judged(Model::Exact, 0.6, 2.0, &linear) {
+            assert!(row["verdict"] == "unknown" && sentence(&row).starts_with("noise hides"), "{row}");
+        }
+        // At A = 0.3 there is hardly anything to tell
+        let [first, ..] = &judged(Model::NormalizedDiffusion, 0.03, 2.0, &linear)[..] else {
+            panic!("no rows")
+        };
+        assert!(first["verdict"] == "profile" || sentence(first).contains("noise hides which"), "{first}");
+        assert!(sentence(first).contains("Burley's of 2015"), "{first}");
+    }
+    for noise in [0.0, 0.03] {
+        for row in judged(Model::Exact, noise, 1.0, &code) {
+            assert_eq!(row["verdict"], "picture", "{row}");
+            assert!(
+                sentence(&row).contains("codes of sRGB") && sentence(&row).contains("decoded: right"),
+                "{row}"
+            );
+        }
+    }
+    let [first, ..] = &judged(Model::NormalizedDiffusion, 0.0, 1.0, &code)[..] else { panic!("no rows") };
+    assert!(
+        sentence(first).contains("codes of sRGB") && sentence(first).contains("Burley's of 2015"),
+        "{first}"
+    );
+}
+
 #[test]
 fn wrong_sizes_other_media_and_lengths_are_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -279,5 +350,32 @@ fn what_cannot_be_judged_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{words}: {said}");
         assert!(parts.iter().all(|part| said.contains(part)), "{words}: {said}");
         assert!(output.stdout.is_empty() && files(folder.path()) == before, "{words}");
+    }
+}
+
+/// The three shipped pictures are judged as the guide for engines says.
+#[test]
+fn shipped_passes_are_right_too_wide_and_too_dark() {
+    let folder = root().join("examples/judge");
+    let said = |name: &str| {
+        let judged = run(
+            &folder,
+            &format!(
+                "judge {name}.exr --setup disk --size 2 --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 0.5,0.35,0.25 \
+                 --white 1"
+            ),
+        );
+        assert!(judged.status.success(), "{}", stderr(&judged));
+        let text = String::from_utf8(judged.stdout).unwrap();
+        let of = |channel: &str| {
+            let line = text.lines().find(|line| line.starts_with(channel)).unwrap().to_owned();
+            line.split_once(": ").unwrap().1.to_owned()
+        };
+        ["red", "green", "blue"].map(of)
+    };
+    assert!(said("right").iter().all(|words| words.starts_with("right within")));
+    assert!(said("too-wide").iter().all(|words| words.contains("its width is +5")));
+    for words in said("no-energy") {
+        assert!(words.starts_with("the gather returns 0.80"), "{words}");
     }
 }

@@ -2,12 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{files, run, stderr, stdout, translucid};
+use crate::common::{cpu_seconds, files, run, signal, start, stderr, stdout};
 
 /// A ball of wax in the light of a lamp and a faint sky.
 fn scene(surface_albedo: &str, mfp: &str) -> String {
@@ -131,20 +129,9 @@ fn fit_that_was_interrupted_goes_on_to_the_same_numbers() {
     let path = directory.path();
     let words = format!("{FIT} --spp 48 --threads 1 --format json");
     let whole = stdout(path, &words);
-    let child = translucid(path)
-        .args(words.split_whitespace())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let start = Instant::now();
-    while !path.join(".photo.exr.fit.lock").exists() {
-        assert!(start.elapsed().as_secs() < 60);
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    std::thread::sleep(Duration::from_millis(800));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let child = start(path, &words);
+    let id = child.id();
+    let output = signal(child, "-INT", || path.join("photo.exr.fit").exists() || cpu_seconds(id) > 1.0);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
     assert!(path.join("photo.exr.fit").exists());

@@ -97,6 +97,24 @@ fn options_for_a_mesh_are_refused_where_there_is_none() {
 }
 
 #[test]
+fn page_takes_the_options_of_a_picture_and_refuses_as_it_does() {
+    let (_keep, directory) = directory_with_pyramid(10.0);
+    fs::write(directory.join("ball.toml"), BALL).unwrap();
+    for (words, named) in [
+        ("a.obj --up w", "the axes are x, y, z, -x, -y and -z"),
+        ("ball.toml --up z", "an upward axis is for a bare mesh, but ball.toml is a scene file"),
+        ("--rotate 9", "--rotate needs a mesh"),
+        ("a.obj --turntable 9", "unexpected argument '--turntable'"),
+        ("a.obj --camera front --floor backdrop", "--floor is for the automatic camera here"),
+        ("a.obj --exposure bright", "stops in [-32, 32], or auto"),
+    ] {
+        let output = run(&directory, &format!("view {words} --no-open"));
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(stderr(&output).contains(named), "{words}: {}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_camera_of_several_is_chosen_by_its_name() {
     let (_keep, directory) = directory_with_pyramid(10.0);
     let cameras = "[[camera]]\nname = \"front\"\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n\

@@ -7,6 +7,7 @@ mod common;
 mod compare;
 mod convert;
 mod devices;
+mod drafts;
 mod export;
 mod fit;
 mod gallery;

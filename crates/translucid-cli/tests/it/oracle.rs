@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::common::{files, run, stderr, translucid};
+use crate::common::{files, run, signal, start, stderr};
 use crate::markdown::{Code, Page, root};
 
 const TABLES: [&str; 8] = ["disk", "edge", "inversion", "line", "profile", "slabs", "spheres", "totals"];
@@ -155,13 +155,7 @@ fn tables_are_made_again_with_the_same_bytes_and_spare_files_of_others() {
 #[test]
 fn an_interrupted_oracle_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let mut command = translucid(folder.path());
-    let child =
-        command.args(["oracle", "-o", "tables", "--photons", "1e10"]).stderr(std::process::Stdio::piped());
-    let child = child.spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(3));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let output = signal(start(folder.path(), "oracle -o tables --photons 1e10"), "-INT", || true);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(files(folder.path()).is_empty(), "{:?}", files(folder.path()));
 }

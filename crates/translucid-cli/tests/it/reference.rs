@@ -1,6 +1,6 @@
 //! `translucid reference`: the contract that scripts depend on.
 
-use crate::common::{files, run, stderr, stdout, translucid};
+use crate::common::{cpu_seconds, files, run, send, signal, start, stderr, stdout, translucid};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 use translucid_testing::power;
@@ -212,24 +212,22 @@ fn killed_walks_leave_whole_tables() {
     assert_eq!(files(path), ["killed.npz", "whole.npz"]);
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn interrupted_walk_keeps_what_it_has() {
-    use std::process::{Command, Stdio};
-
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
     let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz";
-    let mut command = translucid(path);
-    let words = format!("{walk} --photons 1e15 --threads 1");
-    let child = command.args(words.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let child = child.spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let child = start(path, &format!("{walk} --photons 1e15 --threads 1"));
     // Twice at once is once: some programs signal a process and its group
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let id = child.id();
+    let output = signal(child, "-INT", || {
+        let is_there = cpu_seconds(id) > 0.5;
+        if is_there {
+            send(id, "-INT");
+        }
+        is_there
+    });
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
     // What was found so far is printed, and is what the file says
@@ -447,18 +445,14 @@ fn layers_warn_of_what_is_not_as_in_the_file() {
     assert!(output.status.success() && stderr(&output).contains("given up"), "{}", stderr(&output));
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn interrupted_layers_keep_whole_batches() {
-    use std::process::{Command, Stdio};
-
-    // A batch of the first run takes less than the wait, the run does not
     let directory = folder_with(&RUN.replace("20000", "100000000"));
-    let mut command = translucid(directory.path());
-    let child = command.args(["reference", "--layers", "in.mci"]).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(4));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let child = start(directory.path(), "reference --layers in.mci");
+    // Some batches, of 96
+    let id = child.id();
+    let output = signal(child, "-INT", || cpu_seconds(id) > 4.0);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     if let Ok(text) = std::fs::read_to_string(directory.path().join("skin.mco")) {
         let photons = text.lines().find(|line| line.contains("number of photons")).unwrap();

@@ -78,6 +78,33 @@ fn merged_parts_merge_again_and_are_resumed() {
     );
 }
 
+/// Queues run commands again; what they replace is called by its name.
+#[test]
+fn shard_that_is_replaced_is_finished_or_not() {
+    let (_keep, directory) = directory_with_ball();
+    let said = |words: &str| stderr(&run(&directory, words));
+    let finished = |thing: &str| format!("the finished {thing} will be made anew; --resume keeps it");
+    let unfinished = |thing: &str| format!("the unfinished {thing} will be replaced; --resume continues it");
+    stdout(&directory, &format!("{RENDERING} --samples 0..1 -o n.shard"));
+    for (words, expected) in [
+        ("--samples 0..1 -o n.shard", finished("shard n.shard")),
+        ("--samples 0..2 -o n.shard", unfinished("shard n.shard")),
+        ("--samples 0..2 -o n.shard", finished("shard n.shard")),
+        ("--samples 1..2 -o n.shard", finished("shard n.shard")),
+        ("--samples 0..1 -o n.shard", unfinished("shard n.shard")),
+        (
+            "--samples 0..1 --seed 5 -o n.shard",
+            String::from("n.shard: is of another scene or other settings: "),
+        ),
+        ("--resume -o n.png", String::new()),
+        ("-o n.png", finished("rendering n.png.checkpoint")),
+    ] {
+        let text = said(&format!("{RENDERING} {words}"));
+        assert!(text.contains(&expected), "{words}: {text}");
+        assert_eq!(text.matches("note:").count(), usize::from(!expected.is_empty()), "{words}: {text}");
+    }
+}
+
 #[test]
 fn gaps_are_named_and_allowed() {
     let (_keep, directory) = directory_with_ball();

@@ -14,19 +14,42 @@ fn commands(page: &Page) -> Vec<String> {
     page.code().into_iter().filter(|block| block.language == "sh").flat_map(|block| block.lines).collect()
 }
 
+/// Inputs of commands that run in a moment.
+const INPUTS: [&str; 7] = [
+    "scenes/bust.ply",
+    "examples/measured.csv",
+    "examples/judge/right.exr",
+    "examples/layers/paint.toml",
+    "examples/layers/skin.mci",
+    "examples/layers/skin.toml",
+    "examples/stack/enamel.toml",
+];
+
 /// A directory in which the pages' commands find what a clone has.
 fn clone() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::create_dir(folder.path().join("scenes")).unwrap();
-    std::fs::copy(root().join("scenes/bust.ply"), folder.path().join("scenes/bust.ply")).unwrap();
+    for input in INPUTS {
+        let place = folder.path().join(input);
+        std::fs::create_dir_all(place.parent().unwrap()).unwrap();
+        std::fs::copy(root().join(input), place).unwrap();
+    }
     folder
+}
+
+/// Whether a command needs no file, or only such as a clone has.
+fn has_its_files(folder: &Path, words: &str) -> bool {
+    const ENDS: [&str; 9] = [".csv", ".exr", ".mci", ".npz", ".obj", ".ply", ".glb", ".png", ".toml"];
+    let made = output(words);
+    let named = words.split_whitespace().filter(|word| ENDS.iter().any(|end| word.ends_with(end)));
+    named.filter(|word| Some(*word) != made).all(|word| folder.join(word).exists())
 }
 
 /// The command with options that make it take a moment in place of its own.
 fn quick(words: &str) -> String {
     let quick = match words.split_whitespace().next() {
         Some("render") if !words.contains("--preset list") => "--size 16x12 --spp 1",
-        Some("reference") if words.contains("monte-carlo") => "--photons 10000",
+        Some("reference") if words.contains("monte-carlo") && !words.contains("..") => "--photons 10000",
+        Some("sample") => "--count 1000",
         Some("oracle") => "--photons 1000",
         _ => "",
     };
@@ -89,6 +112,8 @@ fn commands_of_the_entry_pages_run() {
                 assert!(root().join(path).join("Cargo.toml").exists(), "{place}");
             } else if line.starts_with("cargo run ") {
                 example(folder, &line);
+            } else if line == "pip install pyoidn" {
+                // The denoiser, which needs a network
             } else {
                 let words = line.strip_prefix("translucid ").unwrap_or_else(|| panic!("{place}"));
                 if words.starts_with("view ") {
@@ -105,16 +130,80 @@ fn commands_of_the_entry_pages_run() {
     }
 }
 
-/// With a device the example's picture is right in all channels; without one there is no picture, and the options are read.
+/// The shipped picture and, with a device, the example's are right in all channels; where there is no picture, the options are
+/// read.
 fn judge(folder: &Path, words: &str) {
     let judged = run(folder, words);
     let text = String::from_utf8_lossy(&judged.stdout);
-    if cfg!(feature = "gpu") {
+    if cfg!(feature = "gpu") || has_its_files(folder, words) {
         assert!(judged.status.success(), "{}", stderr(&judged));
         let right = |channel: &str| text.contains(&format!("{channel}: right"));
         assert!(["red", "green", "blue"].into_iter().all(right), "{text}");
     } else {
         assert!(stderr(&judged).contains("pass.exr"), "{}", stderr(&judged));
+    }
+}
+
+/// Commands that take a moment run; of the others the files are there, or made by a line before.
+#[test]
+fn computations_of_the_readme_find_their_files_and_run() {
+    let clone = clone();
+    let folder = clone.path();
+    let mut ran = Vec::new();
+    let mut made: Vec<String> = Vec::new();
+    for line in commands(&Page::read(&root().join("README.md"))) {
+        let words = line.split(" # ").next().unwrap_or_default().trim_end();
+        let Some(words) = words.strip_prefix("translucid ") else { continue };
+        let verb = words.split_whitespace().next().unwrap_or_default();
+        if ["profile", "sample", "reference", "stack", "convert", "oracle"].contains(&verb) {
+            let done = run(folder, &quick(words));
+            assert!(done.status.success(), "{line}: {}", stderr(&done));
+            ran.push(verb.to_owned());
+        } else {
+            let is_input = |word: &&str| [".toml", ".ply", ".exr"].iter().any(|end| word.ends_with(end));
+            for input in words.split_whitespace().filter(is_input) {
+                let is_made = made.iter().any(|name| name == input) || output(words) == Some(input);
+                assert!(is_made || root().join(input).exists(), "{line}: {input} is not there");
+            }
+        }
+        made.extend(output(words).map(str::to_owned));
+    }
+    assert_eq!(ran, ["profile", "sample", "reference", "stack", "convert", "oracle"]);
+}
+
+/// Every example in the help of verbs that answer in a moment runs, if a clone has its files.
+#[test]
+fn examples_of_help_run() {
+    let clone = clone();
+    let folder = clone.path();
+    let mut ran = 0;
+    for verb in ["profile", "sample", "reference", "stack", "layers", "convert", "skin", "judge"] {
+        let help = run(folder, &format!("{verb} --help"));
+        let help = String::from_utf8(help.stdout).unwrap();
+        let examples = help.split("Examples:").nth(1).unwrap_or_else(|| panic!("{verb} has no examples"));
+        // A long one goes on in the next line
+        let examples = examples.split_whitespace().collect::<Vec<_>>().join(" ");
+        for words in examples.split("translucid ").map(str::trim).filter(|words| !words.is_empty()) {
+            let is_slow =
+                words.contains("--error") || words.contains("photon-beam") || words.contains("1e9..2e9");
+            if !is_slow && has_its_files(folder, words) {
+                let made = run(folder, &quick(words));
+                assert!(made.status.success(), "{words}: {}", stderr(&made));
+                ran += 1;
+            }
+        }
+    }
+    assert!(ran >= 30, "{ran} ran");
+}
+
+/// A guide shows the file that its commands read.
+#[test]
+fn files_of_the_guide_of_layers_are_shipped() {
+    let page = Page::read(&root().join("docs/guide/layers.md"));
+    let blocks: Vec<String> = page.code().iter().map(|block| block.lines.join("\n") + "\n").collect();
+    for name in ["paint.toml", "skin.toml", "skin.mci"] {
+        let file = std::fs::read_to_string(root().join("examples/layers").join(name)).unwrap();
+        assert!(blocks.contains(&file), "{name}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::process::Stdio;
 
-use crate::common::{run, stderr, stdout, translucid};
+use crate::common::{run, signal, start, stderr, stdout, translucid};
 use translucid_profile::{
     Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile,
     RefinedDiffusion, SumOfGaussians,
@@ -272,25 +272,14 @@ fn reader_that_leaves_early_is_no_error() {
     assert_eq!(stderr(&output), "");
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn interrupted_table_leaves_no_file() {
-    use std::process::Command;
-    use std::time::{Duration, Instant};
-
     let directory = tempfile::tempdir().unwrap();
     let words = format!("sample {MODEL} --count 1000000000000 -o radii.csv");
-    let child =
-        translucid(directory.path()).args(words.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
-    // Once a part of the file is there Ctrl-C is caught.
-    let start = Instant::now();
     let grows = |entry: std::fs::DirEntry| entry.metadata().is_ok_and(|found| found.len() > 0);
-    while !std::fs::read_dir(directory.path()).unwrap().any(|entry| entry.is_ok_and(grows)) {
-        assert!(start.elapsed() < Duration::from_secs(60), "nothing is written");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let is_there = || std::fs::read_dir(directory.path()).unwrap().any(|entry| entry.is_ok_and(grows));
+    let output = signal(start(directory.path(), &words), "-INT", is_there);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("radii.csv was not written"), "{}", stderr(&output));
     assert!(crate::common::files(directory.path()).is_empty());

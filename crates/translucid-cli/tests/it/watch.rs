@@ -1,14 +1,12 @@
 //! A rendering that is followed: previews, progress and statistics.
 
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader};
+use std::io::BufReader;
 use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{directory_with_ball, files, run, stderr, stdout, translucid};
+use crate::common::{directory_with_ball, files, run, signal, start, stderr, stdout};
 
 /// Codes of a PNG, whole to its end.
 fn codes(path: &Path) -> Vec<u8> {
@@ -19,15 +17,14 @@ fn codes(path: &Path) -> Vec<u8> {
     codes
 }
 
+#[cfg(target_os = "linux")]
 #[test]
 fn preview_grows_while_it_renders_and_is_the_picture_in_the_end() {
     let (_keep, directory) = directory_with_ball();
-    let words =
-        "render ball.toml -q --spp 4000000 --time 7 --preview so-far.png --region 3,2,33,20 -o end.png";
-    let mut child = translucid(&directory).args(words.split_whitespace()).spawn().unwrap();
+    let words = "render ball.toml -q --spp 4000000 --preview so-far.png --region 3,2,33,20 -o end.png";
     let preview = directory.join("so-far.png");
     let mut states = Vec::new();
-    while child.try_wait().unwrap().is_none() {
+    let output = signal(start(&directory, words), "-INT", || {
         // Whole at any moment
         if preview.exists() {
             let state = codes(&preview);
@@ -35,11 +32,10 @@ fn preview_grows_while_it_renders_and_is_the_picture_in_the_end() {
                 states.push(state);
             }
         }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    assert!(child.wait().unwrap().success());
-    // Every 2 s of 7, and that is a picture of the region
-    assert!(states.len() >= 2, "{}", states.len());
+        states.len() == 2
+    });
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    // A picture of the region
     assert_eq!(codes(&preview), codes(&directory.join("end.png")));
     assert_eq!(codes(&preview).len() % (30 * 18), 0);
     assert_eq!(files(&directory), ["ball.toml", "end.png", "end.png.checkpoint", "so-far.png"]);
@@ -68,25 +64,15 @@ fn files_of_followers_are_their_own() {
 #[test]
 fn programs_get_an_object_a_line() {
     let (_keep, directory) = directory_with_ball();
-    let words = "render ball.toml --spp 4000000 --time 3 --json-progress -o a.png";
-    let mut command = translucid(&directory);
-    let mut child = command.args(words.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
-    let start = Instant::now();
-    let mut first = None;
-    let mut events: Vec<Value> = Vec::new();
-    for line in BufReader::new(child.stderr.take().unwrap()).lines() {
-        let event: Value = serde_json::from_str(&line.unwrap()).unwrap();
-        if event["event"] == "progress" {
-            first.get_or_insert(start.elapsed());
-        }
-        events.push(event);
-    }
-    assert!(child.wait().unwrap().success());
+    let output = run(&directory, "render ball.toml --spp 4000000 --time 3 --json-progress -o a.png");
+    assert!(output.status.success());
+    let events: Vec<Value> =
+        stderr(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let named =
         |name: &str| -> Vec<&Value> { events.iter().filter(|event| event["event"] == name).collect() };
     let progress = named("progress");
-    // Twice a second for 3 s, and not only in the end
-    assert!((3..=8).contains(&progress.len()) && first.unwrap().as_secs_f64() < 2.5, "{events:?}");
+    // At most twice a second of the 3 s
+    assert!((1..=7).contains(&progress.len()), "{events:?}");
     let number = |event: &Value, name: &str| event[name].as_f64().unwrap();
     for pair in progress.windows(2) {
         for name in ["done", "seconds", "fraction"] {
@@ -94,8 +80,12 @@ fn programs_get_an_object_a_line() {
         }
     }
     let last = progress.last().unwrap();
-    assert!(number(last, "fraction") > 0.5 && number(last, "fraction") <= 1.0, "{last:?}");
-    assert!(last["unit"] == "samples" && number(last, "seconds_left") < 2.0, "{last:?}");
+    let seconds = number(last, "seconds");
+    assert!((number(last, "fraction") - seconds / 3.0).abs() < 0.05, "{last:?}");
+    assert!(
+        last["unit"] == "samples" && (number(last, "seconds_left") + seconds - 3.0).abs() < 0.15,
+        "{last:?}"
+    );
     let statistics = named("statistics");
     assert!(statistics.len() == 1 && statistics[0]["outcome"] == "time-up", "{statistics:?}");
     assert!(!named("message").is_empty());

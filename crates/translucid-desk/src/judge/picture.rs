@@ -5,20 +5,31 @@ use std::path::Path;
 use translucid_laboratory::judge::{Bins, Setup};
 use translucid_load::load_exr;
 use translucid_measure::{EdgeLine, NoEdge, NoSpot, Photo, SpotPlace};
+use translucid_scene::linear_from_srgb;
 use translucid_words::{Error, Place};
 
 use super::symmetry::{self, Row};
 
-/// Reads the picture; bins of red, green and blue.
-pub(super) fn read(path: &Path, setup: Setup, pixel: f64) -> Result<[Bins; 3], Error> {
-    let photo = load(path)?;
-    let refuse = |message: String| Error::at(Place::file(path), message);
-    let place = Location::find(&photo, setup).map_err(refuse)?;
-    Ok([0, 1, 2].map(|channel| bins(&photo, channel, &place, pixel)))
+/// Bins of red, green and blue; a message if the lit shape is not found.
+pub(super) fn averaged(photo: &Photo, setup: Setup, pixel: f64) -> Result<[Bins; 3], String> {
+    let place = Location::find(photo, setup)?;
+    Ok([0, 1, 2].map(|channel| bins(photo, channel, &place, pixel)))
+}
+
+/// Greatest code of a picture that may be one of codes, with some noise.
+const GREATEST_CODE: f32 = 1.25;
+
+/// The picture as if its numbers were codes of sRGB; none if they cannot be.
+pub(super) fn decoded(photo: &Photo) -> Option<Photo> {
+    let all = (0..photo.height).flat_map(|y| (0..photo.width).map(move |x| (x, y)));
+    let is_code = |(x, y)| photo.at(x, y).iter().all(|value| value.abs() <= GREATEST_CODE);
+    let light =
+        |x: usize, y: usize| photo.at(x, y).map(|value| linear_from_srgb(value.abs()).copysign(value));
+    all.into_iter().all(is_code).then(|| Photo::from_fn(photo.width, photo.height, light))
 }
 
 /// The three channels, all of whose values must be numbers.
-fn load(path: &Path) -> Result<Photo, Error> {
+pub(super) fn load(path: &Path) -> Result<Photo, Error> {
     let file = load_exr(path)?;
     let refuse = |message: String| Error::at(Place::file(path), message);
     let mut planes = Vec::new();
@@ -145,25 +156,63 @@ fn means(count: usize, length: usize, at: impl Fn(usize, usize) -> [f32; 3]) -> 
 /// Means of the pixels in bins of a pixel.
 fn bins(photo: &Photo, channel: usize, location: &Location, pixel: f64) -> Bins {
     let all = (0..photo.height).flat_map(|y| (0..photo.width).map(move |x| (x, y)));
-    let mut sums = std::collections::BTreeMap::<i64, [[f64; 3]; 2]>::new();
+    let mut sums = std::collections::BTreeMap::<i64, [Sums; 2]>::new();
     for (x, y) in all {
         let (distance, direction) = location.of(x, y);
         let sum = &mut sums.entry(distance.floor() as i64).or_default()[direction];
-        let value = f64::from(photo.at(x, y)[channel]);
-        *sum = [sum[0] + 1.0, sum[1] + distance, sum[2] + value];
+        sum.add(distance - distance.floor(), f64::from(photo.at(x, y)[channel]));
     }
     let is_disk = matches!(location, Location::Disk(_));
     let mut bins = Bins { directions: is_disk.then(Default::default), ..Bins::default() };
-    for [a, b] in sums.into_values() {
-        let count = a[0] + b[0];
-        bins.places.push((a[1] + b[1]) / count * pixel);
-        bins.values.push((a[2] + b[2]) / count);
+    for (first, [a, b]) in sums {
+        let (count, value) = (a.count + b.count, (a.value + b.value) / (a.count + b.count));
+        bins.places.push((first as f64 + (a.place + b.place) / count) * pixel);
+        bins.values.push(value);
+        // Each direction has its own light around a cross
+        let [[left, free], [more, others]] = [a.scatter(), b.scatter()];
+        let scatter = if free + others > 0.0 { ((left + more) / (free + others)).sqrt() } else { 0.0 };
+        bins.scatter.push(scatter);
+        bins.errors.push(scatter / count.sqrt());
         if let Some(directions) = &mut bins.directions {
             // One that has no pixels is as the other
-            let mean = |own: [f64; 3]| if own[0] > 0.0 { own[2] / own[0] } else { (a[2] + b[2]) / count };
+            let mean = |own: Sums| if own.count > 0.0 { own.value / own.count } else { value };
             directions[0].push(mean(a));
             directions[1].push(mean(b));
         }
     }
     bins
+}
+
+/// Sums over the pixels of a bin, places counted from its beginning.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    place: f64,
+    value: f64,
+    /// Sums of the squares of places, of places times values, and of the squares of values.
+    squares: [f64; 3],
+}
+
+impl Sums {
+    fn add(&mut self, place: f64, value: f64) {
+        self.count += 1.0;
+        self.place += place;
+        self.value += value;
+        let [a, b, c] = self.squares;
+        self.squares = [a + place * place, b + place * value, c + value * value];
+    }
+
+    /// Sum of squares that a straight line over the places leaves of the values, and its degrees of freedom.
+    fn scatter(&self) -> [f64; 2] {
+        let free = self.count - 2.0;
+        if free <= 0.0 {
+            return [0.0; 2];
+        }
+        let [place, value] = [self.place, self.value].map(|sum| sum / self.count);
+        let [a, b, c] = self.squares;
+        let [spread, both, all] =
+            [a - self.count * place * place, b - self.count * place * value, c - self.count * value * value];
+        let slope = if spread > 1e-6 * self.count { both / spread } else { 0.0 };
+        [(all - slope * both).max(0.0), free]
+    }
 }

@@ -105,6 +105,7 @@ fn texture(
     };
     let mut file = Cursor::new(Vec::new());
     let picture = Picture::new(size, channels.to_vec(), fill)
+        .with_data(which == 1)
         .with_metadata(concat!("translucid ", env!("CARGO_PKG_VERSION")), Vec::new());
     let failed = |error| Unanswered::Work(Error::new(format!("cannot make a picture: {error}")));
     picture.write_exr(&mut file).map_err(failed)?;

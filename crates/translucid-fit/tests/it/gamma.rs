@@ -1,5 +1,8 @@
 //! Fits of a medium with its second similarity parameter γ: to solved profiles, to walks, and to other phase functions.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
 use translucid_fit::{Errors, Estimate, MediumFit, MediumGrid, MediumProfile, Sample};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
@@ -19,8 +22,13 @@ fn solved(alpha: f64, phase_function: PhaseFunction, tolerance: f64) -> LayersPr
     layers.profile_within(tolerance, &Control::default()).unwrap().unwrap()
 }
 
+/// Nodes of the grid that any test has asked for: solving them is nearly all of the work.
+static NODES: Mutex<BTreeMap<[u64; 2], Arc<LayersProfile>>> = Mutex::new(BTreeMap::new());
+
 fn node(alpha: f64, gamma: f64) -> Box<dyn Fn(f64) -> Estimate> {
-    let profile = solved(alpha, of_gamma(gamma), 5e-3);
+    let mut nodes = NODES.lock().unwrap();
+    let node = nodes.entry([alpha, gamma].map(f64::to_bits));
+    let profile = Arc::clone(node.or_insert_with(|| Arc::new(solved(alpha, of_gamma(gamma), 5e-3))));
     Box::new(move |r| {
         let found = profile.reflectance(r);
         Estimate { value: found.value, error: found.error }

@@ -1,4 +1,4 @@
-//! A screen-space pass with the exported disk, on a graphics processor.
+//! A screen-space pass with the exported disk, on a graphics processor or, for the plane, on any.
 //!
 //! ```text
 //! cargo run --release -p translucid-gpu --features device --example screen_space -- bust bust.png
@@ -6,12 +6,14 @@
 //! ```
 //!
 //! `bust` draws the built-in bust, once opaque and once with the pass. `disk` draws the setup that `translucid judge` knows: a
-//! plane, lit in a disk of the diameter 2, seen straight from above, 0.05 a pixel; a white surface has the value 1.
-//! `TRANSLUCID_DEVICE` is a part of the name of the device; without it the first one draws.
+//! plane, lit in a disk of the diameter 2, seen straight from above, 0.1 a pixel; a white surface has the value 1. `too-wide`
+//! and `no-energy` draw it with two mistakes: a disk for a mean free path 1.5 times as long, and weights whose sum is 0.8.
+//! `TRANSLUCID_DEVICE` is a part of the name of the device, `cpu` for none; without it the first one draws.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for a terminal")]
 
 mod draw;
+mod plain;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -31,15 +33,21 @@ const DISK: ([f64; 3], [f64; 3]) = ([0.9, 0.6, 0.4], [0.5, 0.35, 0.25]);
 /// Surface albedos and mean free paths of marble by Jensen and others (2001), in centimeters, four times as long: the bust is
 /// small on the screen.
 const MARBLE: ([f64; 3], [f64; 3]) = ([0.931, 0.913, 0.894], [0.18, 0.15, 0.13]);
+/// Edge of a pixel on the plane.
+const PIXEL: f32 = 0.1;
 /// Pixels along a side of the plane's picture and of the bust's.
-const SIZES: [u32; 2] = [192, 512];
+const SIZES: [u32; 2] = [96, 512];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["bust", path] if path.ends_with(".png") => bust(Path::new(path)),
-        ["disk", path] if path.ends_with(".exr") => disk(Path::new(path)),
-        _ => Err(String::from("the arguments are `bust FILE.png` or `disk FILE.exr`")),
+        ["disk", path] if path.ends_with(".exr") => disk(Path::new(path), 1.0, 1.0),
+        ["too-wide", path] if path.ends_with(".exr") => disk(Path::new(path), 1.5, 1.0),
+        ["no-energy", path] if path.ends_with(".exr") => disk(Path::new(path), 1.0, 0.8),
+        _ => Err(String::from(
+            "the arguments are `bust FILE.png`, or `disk`, `too-wide` or `no-energy` and `FILE.exr`",
+        )),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -50,24 +58,33 @@ fn main() -> ExitCode {
     }
 }
 
-/// The lit disk on a plane, as linear values.
-fn disk(path: &Path) -> Result<(), String> {
+/// The lit disk on a plane, as linear values: by mean free paths so many times as long, and so many times as bright.
+fn disk(path: &Path, length: f64, brightness: f64) -> Result<(), String> {
     // Half of the picture's width; the plane is larger, so that the light that leaves beyond the picture is gathered, too
-    let half = 0.5 * 0.05 * SIZES[0] as f32;
-    let corner = |x: f32, y: f32| [2.0 * half * x, 2.0 * half * y, 0.0, 0.0, 0.0, 1.0];
-    let vertices = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].concat();
-    let clip_from_world =
-        orthographic(-half, half, -half, half, 0.1, 2.0) * look_at_mat4(Vec3::Z, Vec3::ZERO, Vec3::Y);
-    let view = View { clip_from_world, light: Vec3::Z.extend(1.0) };
-    let canvas = Canvas::open(SIZES[0])?;
-    let frame = Frame { vertices: &vertices, triangles: &[0, 1, 2, 0, 2, 3], view };
-    let pixels = canvas.draw(&frame, &exported_disk(DISK, 256)?, 256, 4)?;
-    let picture = picture([SIZES[0]; 2], 1.0, pixels);
+    let half = 0.5 * PIXEL * SIZES[0] as f32;
+    let text = exported_disk((DISK.0, DISK.1.map(|mfp| mfp * length)), 256)?;
+    let (name, pixels) = match Canvas::open(SIZES[0]) {
+        Ok(canvas) => {
+            let corner = |x: f32, y: f32| [2.0 * half * x, 2.0 * half * y, 0.0, 0.0, 0.0, 1.0];
+            let vertices =
+                [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].concat();
+            let clip_from_world =
+                orthographic(-half, half, -half, half, 0.1, 2.0) * look_at_mat4(Vec3::Z, Vec3::ZERO, Vec3::Y);
+            let view = View { clip_from_world, light: Vec3::Z.extend(1.0) };
+            let frame = Frame { vertices: &vertices, triangles: &[0, 1, 2, 0, 2, 3], view };
+            (canvas.name().to_owned(), canvas.draw(&frame, &text, 256, 4)?)
+        }
+        Err(reason) => {
+            println!("{reason}: the processor draws");
+            (String::from("the processor"), plain::disk_on_plane(&text, DISK.0, SIZES[0], PIXEL)?)
+        }
+    };
+    let picture = picture([SIZES[0]; 2], brightness, pixels);
     picture.save_exr(path).map_err(|error| error.to_string())?;
-    println!("{} drew {}", canvas.name(), path.display());
+    println!("{name} drew {}", path.display());
     let words = |numbers: [f64; 3]| numbers.map(|number| number.to_string()).join(",");
     println!(
-        "translucid judge {} --setup disk --size 2 --pixel 0.05 --surface-albedo {} --mfp {} --white 1",
+        "translucid judge {} --setup disk --size 2 --pixel {PIXEL} --surface-albedo {} --mfp {} --white 1",
         path.display(),
         words(DISK.0),
         words(DISK.1)

@@ -11,8 +11,8 @@ use translucid_render::internals::LightSample;
 use translucid_testing::{SplitMix, power};
 
 use super::evaluate::Evaluation;
-use crate::program::{LIGHT_SHADERS, constants};
-use scenes::{Case, RED, all_kinds, by_power, delta_lights, many, maps, single_lights};
+use crate::program::{LAWS, LIGHT_SHADERS, constants};
+use scenes::{Case, RED, all_kinds, by_power, many, maps, single_lights};
 
 /// Words before those of the lights: they need not stand first.
 const BEFORE: usize = 3;
@@ -22,7 +22,7 @@ fn run(words: &LightWords, body: &str, widths: [usize; 2], inputs: &[f32]) -> Ve
     let tables = [vec![7.0; BEFORE], words.tables.clone()].concat();
     let body = format!("lights_at = {BEFORE}u;\n{body}");
     let constants = constants();
-    let shaders = [&["const PI = 3.14159265358979f;\n", &constants][..], &LIGHT_SHADERS].concat();
+    let shaders = [&LAWS[..], &[&constants], &LIGHT_SHADERS].concat();
     Evaluation { shaders: &shaders, body: &body, tables: &tables, images: &words.images, widths }.run(inputs)
 }
 
@@ -196,40 +196,6 @@ fn samples_state_the_density_of_the_queries() {
         let (name, is_ellipse) = (case.name, case.name.contains("ellipse"));
         assert!(compared > 1000 && missed * 200 < compared, "{name}: {missed} of {compared} missed");
         assert!(off * 200 < compared && (is_ellipse || off == 0), "{name}: {off} of {compared} off");
-    }
-}
-
-#[test]
-fn delta_lights_are_those_of_the_processor() {
-    for case in delta_lights() {
-        let (set, words) = (light_set(&case.prepared), lights(&case.prepared).unwrap());
-        let at = receivers(4000, 9);
-        let (mut compared, mut differ) = (0, 0);
-        for (drawn, at) in samples(&words, &at, 10).into_iter().zip(at) {
-            match (drawn, set.sample(at.0, at.1, 0.5, [0.5; 2])) {
-                (Some(Drawn { sample, .. }), Some(expected)) => {
-                    compared += 1;
-                    assert!(sample.is_delta && (sample.pdf - 1.0).abs() < 1e-6, "{}: {sample:?}", case.name);
-                    assert!(
-                        (sample.direction - expected.direction).length() < 2e-6,
-                        "{at:?}: {sample:?}, {expected:?}"
-                    );
-                    let distance = expected.distance.min(1e30);
-                    assert!(
-                        (sample.distance - distance).abs() <= 1e-5 * distance + 1e-5,
-                        "{sample:?}, {expected:?}"
-                    );
-                    let error = (sample.radiance - expected.radiance).abs().max_element();
-                    // The falloff of a cone begins with the square of a difference
-                    let scale = RED / expected.distance.min(1.0).powi(2);
-                    let allowed = 1e-3 * expected.radiance.x + 1e-6 * scale;
-                    assert!(error <= allowed, "{} at {at:?}: {sample:?}, {expected:?}", case.name);
-                }
-                (None, None) => {}
-                _ => differ += 1,
-            }
-        }
-        assert!(compared > 50 && differ * 500 <= compared, "{}: {compared}, {differ} differ", case.name);
     }
 }
 

@@ -22,6 +22,7 @@ use translucid_scene::{
 
 use super::evaluate::Evaluation;
 use super::tests::{color_by_place, lamp, matte, picture, scene, shape, texture, tracer};
+use crate::program::LAWS;
 use translucid_render::FilmLayer;
 
 const COLOR: Vec3 = Vec3::new(0.9, 0.6, 0.3);
@@ -394,12 +395,10 @@ fn directional_dipoles_are_those_of_the_processor() {
         let light = vec3f(inputs[i + 5], inputs[i + 6], inputs[i + 7]);
         let n_o = vec3f(inputs[i + 8], inputs[i + 9], inputs[i + 10]);
         outputs[o] = dipole_density(0u, inputs[i], inputs[i + 1], at, light, vec3f(0.0, 0.0, 1.0), n_o);";
-    let [kernel, formulas] = [
-        "const PI = 3.14159265; const REFRACTION_ETA = 6u; const IS_DMFP = 2u;
-        fn table_color(at: u32) -> vec3f { return vec3f(tables[at], tables[at + 1u], tables[at + 2u]); }",
-        &translucid_export::directional_formulas(),
-    ];
-    let shaders = [include_str!("shaders/directional_dipole.wgsl"), kernel, formulas];
+    let [kernel, formulas] =
+        ["const REFRACTION_ETA = 6u; const IS_DMFP = 2u;", &translucid_export::directional_formulas()];
+    let [laws, tables] = LAWS;
+    let shaders = [include_str!("shaders/directional_dipole.wgsl"), kernel, formulas, laws, tables];
     let mut random = translucid_testing::SplitMix(11);
     let (mut worst, mut strict) = (0.0_f32, 0);
     for (eta, g, parameterization) in [

@@ -7,7 +7,7 @@ use translucid_render::{FilmLayer, OnDevice, Plan, PreparedScene, Session};
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Environment, Film, Image, Light, Material,
     Mesh, NormalMap, Object, Pixels, Projection, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel,
-    TextureRef, WalkSurface, Wrap,
+    TextureFilter, TextureRef, WalkSurface, Wrap,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
 
@@ -141,11 +141,18 @@ fn surfaces_have_the_means_of_the_processor() {
         coat_roughness: ScalarInput::constant(0.2),
         ..matte()
     };
+    let tinted = Material {
+        transmission_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
+        transmission_depth: 0.5,
+        transmission_tint: ColorInput::constant(Vec3::new(0.5, 0.8, 0.9)),
+        ..clear.clone()
+    };
     let metal = Material { base_metalness: ScalarInput::constant(0.9), ..matte() };
     for (name, ball, caustics) in [
         ("matte", matte(), false),
         ("glass", clear.clone(), false),
         ("glass with caustics", clear, true),
+        ("glass with a tint and a depth", tinted, true),
         ("metal", metal, false),
     ] {
         let mut scene = scene(ball, matte());
@@ -194,6 +201,7 @@ fn textures_have_the_means_of_the_processor() {
     };
     let all =
         [[Wrap::Repeat, Wrap::Mirror], [Wrap::Clamp, Wrap::Repeat], [Wrap::Mirror, Wrap::Clamp]].map(map);
+    let all = [TextureRef { filter: TextureFilter::Nearest, ..all[0] }, all[1], all[2]];
     let ball = Material {
         base_color: ColorInput {
             factor: Vec3::new(0.9, 0.7, 0.5),

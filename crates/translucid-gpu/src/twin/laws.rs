@@ -200,7 +200,7 @@ pub(crate) fn check_against_the_exact_solution(device: &dyn Device, photons: u64
 
 #[test]
 fn totals_and_profiles_are_those_of_the_exact_solution() {
-    check_against_the_exact_solution(&Twin, power(400_000));
+    check_against_the_exact_solution(&Twin, power(160_000));
 }
 
 /// Cases that the exact solution has not: phase functions, slabs, tilted beams, spots.

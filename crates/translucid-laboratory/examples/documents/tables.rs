@@ -52,13 +52,6 @@ fn digits(value: f64, count: i32) -> String {
     }
 }
 
-fn light(configuration: Configuration) -> &'static str {
-    match configuration {
-        Configuration::Searchlight => "searchlight",
-        Configuration::Diffuse => "diffuse",
-    }
-}
-
 const ERROR_COLUMNS: [&str; 8] =
     ["r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r", "A = 0.2", "A = 0.5", "A = 0.8", "worst A", "of 99"];
 
@@ -108,7 +101,7 @@ pub(crate) fn errors_of_model(model: Model, contenders: &[Contender], errors: &E
                     Inversion::Own => one.title.to_owned(),
                     Inversion::Exact => format!("{}, exact α", one.title),
                 };
-                rows.push([&[what, light(configuration).to_owned()][..], &cells[MODEL_COLUMNS]].concat());
+                rows.push([&[what, configuration.name().to_owned()][..], &cells[MODEL_COLUMNS]].concat());
             }
         }
     }
@@ -159,7 +152,7 @@ pub(crate) fn ratios(model: Model, references: &References) -> Result<String, St
 /// The exact profile itself.
 pub(crate) fn exact_values(references: &References) -> Result<String, String> {
     let rows = references.searchlight.iter().chain(&references.diffuse).map(|reference| {
-        let mut row = vec![format!("{}, {}", light(reference.configuration), reference.surface_albedo)];
+        let mut row = vec![format!("{}, {}", reference.configuration.name(), reference.surface_albedo)];
         row.extend(RADII.iter().map(|r| digits(reference.exact.eval(*r), 7)));
         row
     });
@@ -204,7 +197,7 @@ fn coefficient_row(
     if (again - value(a)?).abs() > 1e-10 {
         return Err(format!("{name} is no polynomial of {terms} coefficients with four decimals"));
     }
-    let mut row = vec![name.to_owned(), light(configuration).to_owned()];
+    let mut row = vec![name.to_owned(), configuration.name().to_owned()];
     row.extend(coefficients.iter().map(|c| format!("{c:.4}").replace('-', "−")));
     row.resize(8, String::new());
     Ok(row)

@@ -10,6 +10,7 @@ mod tables;
 pub use difference::{delta_e_2000, delta_e_ab};
 
 use tables::ROWS;
+use translucid_profile::convention::primaries::{CONES, Matrix, apply, inverse, times};
 
 /// Values of a spectrum.
 pub const WAVELENGTHS: usize = ROWS.len();
@@ -64,8 +65,6 @@ const XYZ_FROM_SRGB: Matrix = [
     [0.212_639_005_871_510_2, 0.715_168_678_767_755_6, 0.072_192_315_360_733_7],
     [0.019_330_818_715_591_9, 0.119_194_779_794_626, 0.950_532_152_249_660_7],
 ];
-/// XYZ to cones' responses (K. M. Lam 1985, the Bradford transform).
-const BRADFORD: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 /// Instrument that measures colors of spectra under one illuminant for one observer.
 ///
@@ -105,10 +104,10 @@ impl Colorimeter {
         let white = sum(&weights, &[1.0; WAVELENGTHS]);
 
         // Adapt from the white of sRGB to that of the illuminant
-        let cones = times(&BRADFORD, &times(&XYZ_FROM_SRGB, &[1.0; 3]));
-        let seen = times(&BRADFORD, &white);
-        let scaled: Matrix = [0, 1, 2].map(|i| BRADFORD[i].map(|value| value * seen[i] / cones[i]));
-        let xyz_from_srgb = product(&inverse(&BRADFORD), &product(&scaled, &XYZ_FROM_SRGB));
+        let cones = apply(&CONES, apply(&XYZ_FROM_SRGB, [1.0; 3]));
+        let seen = apply(&CONES, white);
+        let scaled: Matrix = [0, 1, 2].map(|i| CONES[i].map(|value| value * seen[i] / cones[i]));
+        let xyz_from_srgb = times(&inverse(&CONES), &times(&scaled, &XYZ_FROM_SRGB));
         Self { weights, white, xyz_from_srgb, srgb_from_xyz: inverse(&xyz_from_srgb) }
     }
 
@@ -135,37 +134,17 @@ impl Colorimeter {
     /// Linear sRGB (Rec. 709) of XYZ, adapted so that the perfect diffuser is (1, 1, 1); outside \[0, 1\] for colors that no
     /// display shows.
     pub fn linear_srgb(&self, xyz: [f64; 3]) -> [f64; 3] {
-        times(&self.srgb_from_xyz, &xyz)
+        apply(&self.srgb_from_xyz, xyz)
     }
 
     /// XYZ of linear sRGB, the inverse of [`Self::linear_srgb`].
     pub fn xyz_of_linear_srgb(&self, color: [f64; 3]) -> [f64; 3] {
-        times(&self.xyz_from_srgb, &color)
+        apply(&self.xyz_from_srgb, color)
     }
 }
 
-type Matrix = [[f64; 3]; 3];
-
 fn sum(weights: &[[f64; 3]; WAVELENGTHS], spectrum: &Spectrum) -> [f64; 3] {
     [0, 1, 2].map(|i| weights.iter().zip(spectrum).map(|(weight, value)| weight[i] * value).sum())
-}
-
-fn times(matrix: &Matrix, vector: &[f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2])
-}
-
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
-}
-
-/// Inverse by cofactors.
-fn inverse(m: &Matrix) -> Matrix {
-    let cofactor = |i: usize, j: usize| {
-        let [a, b, c, d] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
-        m[a][c] * m[b][d] - m[a][d] * m[b][c]
-    };
-    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| cofactor(j, i) / determinant))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use translucid_profile::{Profile, TabulatedProfile};
+use translucid_profile::{Profile, TabulatedProfile, values};
 
 use super::watch::{Progress, Stopped};
 use super::{Contender, Group, Reference};
@@ -30,30 +30,24 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All.
-    pub const ALL: [Self; 8] = [
-        Self::Build,
-        Self::Eval,
-        Self::Enclosed,
-        Self::Sample,
-        Self::Tabulate,
-        Self::TableEval,
-        Self::TableEnclosed,
-        Self::TableSample,
+    /// All with their names in files, in the order of the variants.
+    const ROWS: [(Self, [&'static str; 1]); 8] = [
+        (Self::Build, ["build"]),
+        (Self::Eval, ["eval"]),
+        (Self::Enclosed, ["enclosed"]),
+        (Self::Sample, ["sample"]),
+        (Self::Tabulate, ["tabulate"]),
+        (Self::TableEval, ["table-eval"]),
+        (Self::TableEnclosed, ["table-enclosed"]),
+        (Self::TableSample, ["table-sample"]),
     ];
+
+    /// All.
+    pub const ALL: [Self; 8] = values(&Self::ROWS);
 
     /// Name in files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Build => "build",
-            Self::Eval => "eval",
-            Self::Enclosed => "enclosed",
-            Self::Sample => "sample",
-            Self::Tabulate => "tabulate",
-            Self::TableEval => "table-eval",
-            Self::TableEnclosed => "table-enclosed",
-            Self::TableSample => "table-sample",
-        }
+        Self::ROWS[self as usize].1[0]
     }
 }
 

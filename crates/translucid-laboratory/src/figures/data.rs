@@ -1,8 +1,5 @@
 //! The long tables, with stable columns.
 
-use translucid_profile::Parameterization;
-
-use super::word;
 use crate::DataTable;
 use crate::comparison::{Comparison, Curve, R_MAX, RingPoint, Timing};
 use crate::data_table::row;
@@ -24,7 +21,7 @@ fn errors(comparison: &Comparison) -> DataTable {
     let columns = ["model", "configuration", "medium", "surface_albedo", "r_max", "error"];
     let mut table = DataTable::new("errors", "Errors", &columns);
     for one in &comparison.errors.rows {
-        let (light, medium) = (word(one.configuration), one.inversion.name());
+        let (light, medium) = (one.configuration.name(), one.inversion.name());
         for (r_max, error) in R_MAX.into_iter().zip(one.errors) {
             table.rows.push(row![one.contender, light, medium, one.surface_albedo, r_max, error]);
         }
@@ -46,7 +43,7 @@ fn reflectance(comparison: &Comparison) -> DataTable {
     let mut table = DataTable::new("reflectance", "Profiles", &columns);
     for figure in &comparison.reflectances {
         let solution = Curve { name: "exact-solution", ..figure.exact.clone() };
-        let (light, a) = (word(figure.configuration), figure.surface_albedo);
+        let (light, a) = (figure.configuration.name(), figure.surface_albedo);
         for curve in [&solution].into_iter().chain(&figure.curves) {
             for (i, r) in figure.radii.iter().enumerate() {
                 table.rows.push(row![light, a, curve.name, *r, curve.reflectance[i], curve.enclosed[i]]);
@@ -69,7 +66,7 @@ fn monte_carlo(comparison: &Comparison) -> DataTable {
     ];
     let mut table = DataTable::new("monte-carlo", "Photons in rings", &columns);
     for figure in &comparison.reflectances {
-        let (light, a) = (word(figure.configuration), figure.surface_albedo);
+        let (light, a) = (figure.configuration.name(), figure.surface_albedo);
         let alpha = figure.single_scattering_albedo;
         for RingPoint { r, reflectance, standard_error, exact, photons } in &figure.points {
             table.rows.push(row![light, a, alpha, *r, *reflectance, *standard_error, *exact, *photons]);
@@ -82,12 +79,9 @@ fn scaling(comparison: &Comparison) -> DataTable {
     let columns = ["configuration", "parameter", "surface_albedo", "s", "error"];
     let mut table = DataTable::new("scaling", "Best scales of normalized diffusion", &columns);
     for case in &comparison.scaling {
-        let parameter = match case.parameterization {
-            Parameterization::Mfp => "mfp",
-            Parameterization::Dmfp => "dmfp",
-        };
+        let parameter = case.parameterization.name();
         for [a, s, error] in &case.points {
-            table.rows.push(row![word(case.configuration), parameter, *a, *s, *error]);
+            table.rows.push(row![case.configuration.name(), parameter, *a, *s, *error]);
         }
     }
     table

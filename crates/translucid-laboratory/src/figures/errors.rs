@@ -2,7 +2,7 @@
 
 use translucid_profile::Configuration;
 
-use super::{ink, percent, section_of, word};
+use super::{ink, percent, section_of};
 use crate::comparison::{Comparison, Contender, Group, Inversion, Quantity, Summary, Timing};
 use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
 
@@ -17,7 +17,7 @@ pub(super) fn section(comparison: &Comparison) -> Section {
             (Inversion::Own, is_sum, "sums", "Error of sums of Gaussians and exponentials"),
             (Inversion::Exact, |_| true, "exact-medium", "Error of models of the exact medium"),
         ] {
-            let chart = Chart::new(&format!("error-{}-{kind}", word(configuration)), title, x(), y());
+            let chart = Chart::new(&format!("error-{}-{kind}", configuration.name()), title, x(), y());
             blocks.extend(against_albedo(comparison, configuration, inversion, is_shown, chart));
         }
         for inversion in [Inversion::Own, Inversion::Exact] {
@@ -93,7 +93,7 @@ fn against_albedo(
     is_shown: fn(&Contender) -> bool,
     mut chart: Chart,
 ) -> Option<Block> {
-    chart.title = format!("{}, {}", chart.title, word(configuration));
+    chart.title = format!("{}, {}", chart.title, configuration.name());
     for contender in comparison.settings.contenders.iter().filter(|one| is_shown(one)) {
         let rows = comparison.errors.of(contender.name, configuration, inversion);
         let points: Vec<[f64; 2]> = rows.map(|row| [row.surface_albedo, 100.0 * row.errors[2]]).collect();
@@ -108,14 +108,14 @@ fn against_albedo(
 /// Means and worst errors of all contenders.
 fn means(comparison: &Comparison, configuration: Configuration, inversion: Inversion) -> Option<Block> {
     let (name, what) = match inversion {
-        Inversion::Own => (format!("mean-error-{}", word(configuration)), ""),
+        Inversion::Own => (format!("mean-error-{}", configuration.name()), ""),
         Inversion::Exact => {
-            (format!("mean-error-{}-exact-medium", word(configuration)), ", of the exact medium")
+            (format!("mean-error-{}-exact-medium", configuration.name()), ", of the exact medium")
         }
     };
     let caption = format!(
         "Errors in percent, {}{what}: means within 8 ℓ, 16 ℓ and all radii, and the worst over all radii",
-        word(configuration)
+        configuration.name()
     );
     let columns = ["model", "r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r", "worst", "at A", "albedos"];
     let mut table = DataTable::new(&name, &caption, &columns);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use translucid_profile::{Configuration, SumOfGaussians};
 
-use super::{curve, line, middle, radii, section_of, word};
+use super::{curve, line, middle, radii, section_of};
 use crate::comparison::{Comparison, Inversion, Reference, Reflectance};
 use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
 
@@ -62,7 +62,7 @@ fn errors(comparison: &Comparison) -> Chart {
             };
             let points: Vec<[f64; 2]> = (1..=family.most_terms).filter_map(point).collect();
             if !points.is_empty() {
-                let label = format!("{}, {}", family.title, word(configuration));
+                let label = format!("{}, {}", family.title, configuration.name());
                 let ink = Ink::Numbered(place);
                 chart.series.push(Series::new(&label, ink, Mark::Line, points.clone()));
                 chart.series.push(Series::new(&label, ink, Mark::Points, points));
@@ -78,7 +78,7 @@ fn curves(figure: &Reflectance, family: Family) -> Option<Chart> {
     let a = figure.surface_albedo;
     let weight = |r: f64, reflectance: f64| 2.0 * PI * r * r * reflectance / a;
     let name = format!("mixtures-{}", family.name);
-    let title = format!("Sums of {}, A = {a}, {}", family.title, word(figure.configuration));
+    let title = format!("Sums of {}, A = {a}, {}", family.title, figure.configuration.name());
     let mut chart = Chart::new(&name, &title, radii(figure), Axis::linear("2πr² R(r) / A", ""));
     for terms in [1, 2, 3, 4, 6] {
         if let Some(curve) = curve(figure, &family.contender(terms)) {

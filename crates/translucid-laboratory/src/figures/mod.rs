@@ -94,14 +94,6 @@ fn grouped(number: u64) -> String {
     text
 }
 
-/// The configuration in one word.
-pub(crate) fn word(configuration: Configuration) -> &'static str {
-    match configuration {
-        Configuration::Searchlight => "searchlight",
-        Configuration::Diffuse => "diffuse",
-    }
-}
-
 /// Ink of a contender, equal in every figure: that of its model, or one by its place among all that are none.
 fn ink(contender: &Contender) -> Ink {
     match contender.model {

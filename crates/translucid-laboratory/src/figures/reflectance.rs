@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use translucid_profile::Configuration;
 
-use super::{LEAST_RADIUS, radii, section_of, with_curves, word};
+use super::{LEAST_RADIUS, radii, section_of, with_curves};
 use crate::comparison::{Comparison, Curve, Reflectance, RingPoint, Walk};
 use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
 
@@ -82,7 +82,7 @@ fn linear(comparison: &Comparison, figure: &Reflectance) -> Chart {
         "R(r) at A = {}, {}, linear axes: the range of radii in which {:.0} % of the light leaves; the curves go on \
          upwards.",
         figure.surface_albedo,
-        word(figure.configuration),
+        figure.configuration.name(),
         100.0 * MOST
     );
     with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
@@ -95,7 +95,7 @@ fn logarithmic(comparison: &Comparison, figure: &Reflectance) -> Chart {
     let y = Axis::logarithmic("R(r)", "ℓ⁻²").between(0.4 * low, 1.5 * top);
     let chart = chart(figure, "logarithmic", radii(figure), y);
     let caption =
-        format!("R(r) at A = {}, {}, logarithmic axes.", figure.surface_albedo, word(figure.configuration));
+        format!("R(r) at A = {}, {}, logarithmic axes.", figure.surface_albedo, figure.configuration.name());
     with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
 }
 
@@ -109,7 +109,7 @@ fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
         chart(figure, "energy", radii(figure), Axis::linear("2πr² R(r) / A", "").between(0.0, 1.6 * top));
     let caption = format!(
         "Where the light leaves at A = {a}, {}: 2πr² R(r)/A, the share of it per e-fold of the radius.",
-        word(figure.configuration)
+        figure.configuration.name()
     );
     with_series(comparison, figure, chart, weight).with_caption(&caption)
 }
@@ -122,7 +122,7 @@ fn ratio(comparison: &Comparison, figure: &Reflectance) -> Chart {
         "R(r) divided by the exact one at A = {}, {}; the points are photons in rings, divided by the exact mean over \
          the ring.",
         figure.surface_albedo,
-        word(figure.configuration)
+        figure.configuration.name()
     );
     let exact = |r: f64| {
         let is_ring = |point: &&RingPoint| point.r == r;
@@ -135,7 +135,7 @@ fn ratio(comparison: &Comparison, figure: &Reflectance) -> Chart {
 }
 
 fn chart(figure: &Reflectance, kind: &str, x: Axis, y: Axis) -> Chart {
-    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
+    let (a, configuration) = (figure.surface_albedo, figure.configuration.name());
     let name = format!("reflectance-{configuration}-{a}-{kind}").replace('.', "_");
     let what = match kind {
         "linear" => "R(r), linear axes",

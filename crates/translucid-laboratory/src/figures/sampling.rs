@@ -1,6 +1,6 @@
 //! Distribution functions, and radii that were drawn from them.
 
-use super::{ink, middle, radii, section_of, with_curves, word};
+use super::{ink, middle, radii, section_of, with_curves};
 use crate::comparison::{Comparison, Curve, Reflectance, SampleTest};
 use crate::data_table::row;
 use crate::{Axis, Block, Chart, DataTable, Ink, Mark, Section, Series};
@@ -26,7 +26,7 @@ pub(super) fn cdf_section(comparison: &Comparison) -> Section {
 }
 
 fn cdf(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
+    let (a, configuration) = (figure.surface_albedo, figure.configuration.name());
     let y = Axis::linear("share within r", "").between(0.0, 1.0);
     let title = format!("Distribution functions, A = {a}, {configuration}");
     let chart = Chart::new(&format!("cdf-{configuration}"), &title, radii(figure), y);
@@ -35,7 +35,7 @@ fn cdf(comparison: &Comparison, figure: &Reflectance) -> Chart {
 }
 
 fn cdf_difference(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
+    let (a, configuration) = (figure.surface_albedo, figure.configuration.name());
     let y = Axis::linear("share within r, model − exact", "%");
     let title = format!("Distribution functions less the exact one, A = {a}, {configuration}");
     let chart = Chart::new(&format!("cdf-difference-{configuration}"), &title, radii(figure), y);

@@ -32,6 +32,8 @@ pub enum Cause {
     Separable,
     /// The weights do not add up to 1: so many times the light.
     Light(f64),
+    /// The numbers are codes by the curve of sRGB.
+    Codes,
 }
 
 /// The part of a pass that is to be mended.
@@ -49,7 +51,7 @@ impl Cause {
     /// The part that is to be mended.
     pub fn part(&self) -> Part {
         match self {
-            Self::Size(_) => Part::Picture,
+            Self::Size(_) | Self::Codes => Part::Picture,
             Self::Width(_)
             | Self::Configuration
             | Self::Medium
@@ -59,6 +61,12 @@ impl Cause {
                 Part::Gather
             }
         }
+    }
+
+    /// Whether another cause is this one with any parameter.
+    pub(super) fn is_a_case_of(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+            || matches!((self, other), (Self::NormalizedDiffusion, Self::NormalizedDiffusionOfWidth(_)))
     }
 
     /// Advice on the change, in words; `dmfp_over_mfp` is that of the material.
@@ -113,6 +121,7 @@ impl Cause {
                 "light around the disk depends on the direction: a separable gather is a cross; gather over a disk (export \
                  --what disk)",
             ),
+            Self::Codes => String::from("the numbers of the picture are codes of sRGB: save it linear"),
             Self::Light(times) if (times / surface_albedo - 1.0).abs() < 0.01 => {
                 String::from("the surface albedo counts twice: before the gather and after it")
             }

@@ -11,6 +11,8 @@
 //! If their RMS difference from the truth is small, and so are the differences in width and light, the pass is right.
 //! If not, the light of each [`Cause`] is computed; the one that explains the picture names the part to mend.
 //! A cause that explains it too little is not named: then the judgement says that the reason is not known.
+//! Noise in a difference, by the scatter of the pixels of a place, counts neither for nor against a pass: where it
+//! hides whether the pass is right, or which of several causes it is, the judgement says so.
 
 mod cause;
 mod material;
@@ -54,6 +56,10 @@ pub struct Bins {
     pub places: Vec<f64>,
     /// Mean of the pixels at each place.
     pub values: Vec<f64>,
+    /// Standard deviation of a pixel at each place; as the next, none at all where there is no noise.
+    pub scatter: Vec<f64>,
+    /// Standard error of each mean.
+    pub errors: Vec<f64>,
     /// Means of those along the picture's axes, and along its diagonals: of disks, where both are there.
     pub directions: Option<[Vec<f64>; 2]>,
 }
@@ -70,6 +76,10 @@ pub const LEVELS: [f64; 3] = [0.25, 0.1, 0.05];
 const LEAST: f64 = 0.02;
 /// A cause explains a picture if it leaves that part of its difference, and at most that RMS difference.
 const EXPLAINS: [f64; 2] = [1.0 / 3.0, 0.015];
+/// Standard errors of a width that count for the pass.
+const DOUBT: f64 = 3.0;
+/// χ² by which a cause must be better than another for noise not to hide which of both it is.
+const APART: f64 = 9.0;
 /// A cause without a parameter is preferred to one that is not closer by this.
 const SIMPLER: f64 = 0.6;
 
@@ -82,6 +92,16 @@ pub struct Judgement {
     pub rms: f64,
     /// Greatest difference.
     pub largest: f64,
+    /// RMS difference that noise makes of it.
+    pub noise: f64,
+    /// Noise of a pixel as a part of its light, the median over places with much light.
+    pub pixel_noise: f64,
+    /// Standard errors of the widths that were found \[L\].
+    pub width_errors: [f64; 3],
+    /// Whether noise hides what is allowed to a right pass.
+    pub is_hidden: bool,
+    /// Other reasons that noise does not tell from one another.
+    pub rivals: Vec<Cause>,
     /// Distances at which light falls to [`LEVELS`], of the picture and of the truth \[L\]; not numbers where the picture
     /// ends before.
     pub widths: [[f64; 2]; 3],
@@ -182,11 +202,24 @@ impl Pass {
         let rms = distance(&truth);
         let largest = (0..values.len()).filter(|i| counting[*i]).map(|i| (values[i] - truth[i]).abs());
         let widths = [0, 1, 2].map(|i| [self.width(&values, LEVELS[i]), true_widths[i]]);
+        let errors: Vec<f64> = self.bins.errors.iter().map(|error| error / scale).collect();
+        let counted: Vec<f64> =
+            errors.iter().zip(&counting).filter(|(_, counts)| **counts).map(|(e, _)| *e).collect();
+        let count = counted.len().max(1) as f64;
+        let noise = (counted.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
+        let clean = |rms: f64| cleaned(rms, noise);
+        let pixel_noise = self.pixel_noise(scale, &truth);
         let light_error = self.white.map(|white| scale / (white * appearance.surface_albedo) - 1.0);
         let mut judgement = Judgement {
             light_error,
             rms,
             largest: largest.fold(0.0, f64::max),
+            noise,
+            pixel_noise,
+            width_errors: true_widths.map(|width| self.width_error(&truth, &errors, width)),
+            // The square of a difference is known up to that of noise times the root of 2/n
+            is_hidden: noise * (8.0 / count).powf(0.25) > RIGHT_RMS,
+            rivals: Vec::new(),
             widths,
             causes: Vec::new(),
             explained_rms: None,
@@ -194,15 +227,28 @@ impl Pass {
             curves: [self.bins.places.clone(), values.clone(), truth.clone(), Vec::new()],
         };
 
-        if !judgement.has_right_shape() {
+        let explains = |left: f64| clean(left) < EXPLAINS[0] * clean(rms) && clean(left) < EXPLAINS[1];
+        if !judgement.has_right_shape() && !judgement.is_hidden {
+            let candidates = subject.candidates(&truth, &distance)?;
+            let others: Vec<(Cause, f64)> =
+                candidates.iter().map(|other| (other.cause, distance(&other.curve))).collect();
             if self.is_separable(scale, &counting) {
                 judgement.causes.push(Cause::Separable);
-            } else if let Some((best, left)) = closest(subject.candidates(&truth, &distance)?, &distance)
-                && left < EXPLAINS[0] * rms
-                && left < EXPLAINS[1]
+            } else if let Some((best, left)) =
+                closest(candidates, &distance).filter(|(_, left)| explains(*left))
             {
-                judgement.causes.push(best.cause);
+                let is_near =
+                    |found: f64| (found * found - left * left).abs() * count < APART * noise * noise;
+                let rivals = others.into_iter().filter(|(cause, found)| {
+                    !best.cause.is_a_case_of(cause) && explains(*found) && is_near(*found)
+                });
+                judgement.rivals = rivals.map(|(cause, _)| cause).collect();
                 judgement.explained_rms = Some(left);
+                if judgement.rivals.is_empty() {
+                    judgement.causes.push(best.cause);
+                } else {
+                    judgement.rivals.insert(0, best.cause);
+                }
                 if matches!(best.cause, Cause::Size(_)) {
                     // All light is that of the shape that is seen
                     let scale = self.scale(&best.curve);
@@ -279,6 +325,23 @@ impl Pass {
         f64::NAN
     }
 
+    /// Median noise of a pixel as a part of its light, where that is at least half of the most.
+    fn pixel_noise(&self, scale: f64, truth: &[f64]) -> f64 {
+        let most = truth.iter().copied().fold(0.0, f64::max);
+        let bright = self.bins.scatter.iter().zip(truth).filter(|(_, light)| **light >= 0.5 * most);
+        let mut parts: Vec<f64> = bright.map(|(scatter, light)| scatter / (scale * light)).collect();
+        parts.sort_by(f64::total_cmp);
+        parts.get(parts.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Standard error of a width by that of the light there.
+    fn width_error(&self, truth: &[f64], errors: &[f64], width: f64) -> f64 {
+        let places = &self.bins.places;
+        let i = places.partition_point(|x| *x < width).clamp(1, places.len() - 1);
+        let slope = (truth[i] - truth[i - 1]) / (places[i] - places[i - 1]);
+        errors.get(i).map_or(0.0, |error| error / slope.abs().max(1e-12))
+    }
+
     /// Where the truth falls to a quarter, beyond the picture.
     fn wanted(&self, subject: &Subject<'_>) -> Result<f64, Unjudged> {
         let mut places: Vec<f64> =
@@ -336,7 +399,10 @@ impl Judgement {
     }
 
     fn has_right_shape(&self) -> bool {
-        self.rms <= RIGHT_RMS && self.width_error().abs() <= RIGHT_WIDTH
+        let off =
+            |([found, truth], error): (&[f64; 2], &f64)| ((found - truth).abs() - DOUBT * error) / truth;
+        let widths = self.widths.iter().zip(&self.width_errors).map(off).filter(|off| off.is_finite());
+        cleaned(self.rms, self.noise) <= RIGHT_RMS && widths.fold(0.0, f64::max) <= RIGHT_WIDTH
     }
 
     /// "right", the part that is to be mended, or "unknown".
@@ -345,6 +411,7 @@ impl Judgement {
             Some(Part::Profile) => "profile",
             Some(Part::Gather) => "gather",
             Some(Part::Picture) => "picture",
+            None if self.is_hidden => "unknown",
             None if self.has_right_shape() => "right",
             None => "unknown",
         }
@@ -355,19 +422,63 @@ impl Judgement {
         let [rms, width] = [self.rms, self.width_error()].map(percent);
         let light =
             self.light_error.map_or(String::new(), |error| format!(", {} of all light", percent(error)));
+        let known =
+            self.widths.iter().zip(&self.width_errors).map(|([_, truth], error)| DOUBT * error / truth);
+        let known = known.filter(|part| part.is_finite()).fold(0.0, f64::max);
+        let [noise, pixel] = [self.noise, self.pixel_noise].map(percent);
+        let noise = match self.noise {
+            // Less than is printed
+            part if part < 5e-4 => String::new(),
+            _ => format!(
+                "; noise is {pixel} of a pixel, makes {noise} RMS, and lets widths be known to {}",
+                percent(known)
+            ),
+        };
         if self.verdict() == "right" {
-            return format!("right within {rms} (RMS), {width} of its width{light}");
+            return format!("right within {rms} (RMS), {width} of its width{light}{noise}");
+        }
+        if self.is_hidden && self.causes.is_empty() {
+            return format!(
+                "noise hides whether it is right: take more samples, or show more of the lit shape (off by {rms} RMS, \
+                 {width} of its width{light}{noise})"
+            );
         }
         let advice = |cause: &Cause| cause.advice(setup, surface_albedo, dmfp_over_mfp);
         let mut advices: Vec<String> = self.causes.iter().map(advice).collect();
         if !self.has_right_shape() && !self.causes.iter().any(|cause| !matches!(cause, Cause::Light(_))) {
-            advices.push(String::from(
-                "the shape is none of those that are known: compare the kernel's weights with the table `profile` of the \
-                 oracle",
-            ));
+            let rivals: Vec<String> = self.rivals.iter().map(advice).collect();
+            advices.push(if rivals.is_empty() {
+                String::from(
+                    "the shape is none of those that are known: compare the kernel's weights with the table `profile` of the \
+                     oracle",
+                )
+            } else {
+                format!("noise hides which of {} it is: {}", rivals.len(), rivals.join("; or "))
+            });
         }
-        format!("{} (off by {rms} RMS, {width} of its width{light})", advices.join("; and "))
+        format!("{} (off by {rms} RMS, {width} of its width{light}{noise})", advices.join("; and "))
     }
+
+    /// RMS difference that neither the first reason nor noise explains.
+    pub fn unexplained(&self) -> f64 {
+        cleaned(self.explained_rms.unwrap_or(self.rms), self.noise)
+    }
+
+    /// The judgement of a picture whose numbers were decoded as codes of sRGB, which linear ones are not.
+    #[must_use]
+    pub fn of_codes(mut self) -> Self {
+        self.causes.insert(0, Cause::Codes);
+        self.sentence = format!(
+            "the numbers of the picture are codes of sRGB, not linear light: save it linear; decoded: {}",
+            self.sentence
+        );
+        self
+    }
+}
+
+/// A difference without that of noise.
+fn cleaned(rms: f64, noise: f64) -> f64 {
+    (rms * rms - noise * noise).max(0.0).sqrt()
 }
 
 /// Picture, truth and explanation of some channels by place; `unit` is that of lengths.

@@ -80,7 +80,7 @@ fn slice_taps(profile: &dyn Profile) -> Vec<[f64; 3]> {
 }
 
 fn pass(setup: Setup, surface_albedo: f64, configuration: Configuration, values: Vec<f64>) -> Pass {
-    let bins = Bins { places: places(setup), values, directions: None };
+    let bins = Bins { places: places(setup), values, ..Bins::default() };
     Pass {
         setup,
         appearance: material(surface_albedo),

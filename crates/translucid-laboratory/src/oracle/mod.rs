@@ -29,7 +29,6 @@ use crate::comparison::{Stopped, Watch};
 use translucid_words::{Cell, DataTable};
 
 use crate::data_table::row;
-use crate::figures::word;
 
 /// Photons for each kind of half space that is walked, and a tenth of them for each sphere: as many as take a minute or two.
 pub const ORACLE_PHOTONS: u64 = 2_000_000;
@@ -150,7 +149,7 @@ fn rows_of_half_spaces(tables: &[Table], photons: u64, steps: &Steps<'_>) -> Res
                 return Err(Fault::Stopped);
             }
             let truth = Truth::of(kind, *alpha, walk.as_ref())?;
-            let head = row![word(kind.configuration), kind.g, kind.eta, *a, text::number(*alpha)];
+            let head = row![kind.configuration.name(), kind.g, kind.eta, *a, text::number(*alpha)];
             let whole = |own: Rows| -> Rows {
                 let row = |own: Vec<_>| [&head[..], &own[..], &[Cell::from(truth.method())]].concat();
                 own.into_iter().map(row).collect()

@@ -13,7 +13,6 @@ use super::truth::{CONFIGURATIONS, Fault, Kind, SEED, Truth};
 use translucid_words::{Cell, Column};
 
 use crate::data_table::row;
-use crate::figures::word;
 
 /// Columns by name, unit and meaning.
 fn columns(list: &[(&'static str, &'static str, &'static str)]) -> Vec<Column> {
@@ -279,7 +278,7 @@ fn totals(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
         let specular = translucid_reference::specular_reflectance(kind.incidence(), kind.eta);
         let row = |alpha: f64| {
             let Estimate { value, error: off } = kind.surface_albedo(alpha)?;
-            let name = word(kind.configuration);
+            let name = kind.configuration.name();
             Ok(row![name, kind.g, kind.eta, alpha, number(value), error(off), number(specular), method(kind)])
         };
         ALPHAS.map(row).into_iter().collect::<Result<Rows, Fault>>()
@@ -294,7 +293,7 @@ fn inversion(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
         let inversion = AlbedoInversion::new(kind.g, kind.eta, kind.configuration)?;
         let row = |(a, [alpha, off]): (&f64, &[f64; 2])| {
             let medium = Medium::from_mfp(*alpha, 1.0, kind.g)?;
-            let name = word(kind.configuration);
+            let name = kind.configuration.name();
             // The medium of a surface albedo that is off by its error; digits of 1 - alpha end at rounding
             let step = 1e-3 * (1.0 - a);
             let slope = [a + step, a - step].map(|a| inversion.single_scattering_albedo(a));
@@ -334,7 +333,7 @@ fn slabs(_photons: u64, steps: &Steps<'_>) -> Result<Rows, Fault> {
                 totals.diffuse_transmittance,
                 totals.absorbed.iter().sum(),
             ];
-            let mut row = row![word(kind.configuration), kind.g, kind.eta, alpha, thickness];
+            let mut row = row![kind.configuration.name(), kind.g, kind.eta, alpha, thickness];
             row.extend(parts.map(number));
             row.push(error(totals.error));
             rows.push(row);

@@ -148,7 +148,7 @@ fn edges_lines_and_totals_are_those_of_photons() {
         (0.8, 0.8, Configuration::Diffuse),
     ] {
         let medium = [("g", g), ("eta", 1.0), ("surface_albedo", a)];
-        let words = [word(configuration)];
+        let words = [configuration.name()];
         let edges = rows("edge", &words, &medium);
         let alpha = edges[0].number("single_scattering_albedo");
         let exits = analog_exits(alpha, g, configuration, power(40_000), 11);
@@ -261,7 +261,7 @@ fn totals_and_inversion_are_exact_or_those_of_the_walk() {
     for (configuration, incidence) in
         [(Configuration::Searchlight, Incidence::NORMAL), (Configuration::Diffuse, Incidence::Cosine)]
     {
-        let words = [word(configuration)];
+        let words = [configuration.name()];
         for eta in [1.4, 1.5] {
             for row in rows("totals", &words, &[("g", 0.0), ("eta", eta)]).iter().step_by(4) {
                 let alpha = row.number("single_scattering_albedo");
@@ -311,7 +311,7 @@ fn inversion_states_how_far_its_media_are_off() {
     for (configuration, incidence) in
         [(Configuration::Searchlight, Incidence::NORMAL), (Configuration::Diffuse, Incidence::Cosine)]
     {
-        for row in rows("inversion", &[word(configuration)], &[("g", 0.0), ("eta", 1.4)]) {
+        for row in rows("inversion", &[configuration.name()], &[("g", 0.0), ("eta", 1.4)]) {
             let a = row.number("surface_albedo");
             let alpha = single_scattering_albedo(a, 1.4, incidence).unwrap();
             let medium = translucid_profile::Medium::from_mfp(alpha, 1.0, 0.0).unwrap();

@@ -1,21 +1,12 @@
 //! Accessors: typed arrays in the buffers, with strides, normalized integers and sparse values.
 
-use translucid_scene::SceneError;
-
-use super::buffers::{Buffers, View};
-use super::document::{Accessor, Document, SparseArray};
-use super::notes::Notes;
+use super::buffers::{Arrays, View};
+use super::document::{Accessor, SparseArray};
 use crate::number::NumberType;
-
-/// A file's arrays.
-pub(super) struct Arrays<'a> {
-    pub(super) document: &'a Document,
-    pub(super) buffers: &'a Buffers<'a>,
-    pub(super) notes: &'a Notes<'a>,
-}
+use crate::result::Result;
 
 /// The type that glTF has a number for.
-fn component(code: u32) -> Option<NumberType> {
+pub(super) fn component(code: u32) -> Option<NumberType> {
     Some(match code {
         5120 => NumberType::I8,
         5121 => NumberType::U8,
@@ -41,7 +32,7 @@ fn normalization(component: NumberType) -> f64 {
 }
 
 /// Number of components of an element, for the shapes of vertex attributes and of transforms.
-fn components(shape: &str) -> Option<usize> {
+pub(super) fn components(shape: &str) -> Option<usize> {
     match shape {
         "SCALAR" => Some(1),
         "VEC2" => Some(2),
@@ -76,19 +67,15 @@ impl<'a> Strided<'a> {
 
 impl Arrays<'_> {
     /// Number of elements that an accessor states; not yet checked against the buffers.
-    pub(super) fn count(&self, index: usize, user: &str) -> Result<usize, SceneError> {
-        Ok(self.document.accessors.get(index, user, self.notes.path)?.count)
+    pub(super) fn count(&self, index: usize, user: &str) -> Result<usize> {
+        Ok(self.document.accessors.get(index, user)?.count)
     }
 
     /// Elements of `N` numbers; integers are divided by their range if the accessor is normalized.
     ///
     /// An accessor of three components read as four gets 1 as the fourth: opaque vertex colors.
-    pub(super) fn numbers<const N: usize>(
-        &self,
-        index: usize,
-        user: &str,
-    ) -> Result<Vec<[f32; N]>, SceneError> {
-        let accessor = self.document.accessors.get(index, user, self.notes.path)?;
+    pub(super) fn numbers<const N: usize>(&self, index: usize, user: &str) -> Result<Vec<[f32; N]>> {
+        let accessor = self.document.accessors.get(index, user)?;
         let part = format!("{}, {user}", self.document.accessors.label(index));
         let found = components(&accessor.shape).unwrap_or(0);
         if found != N && (found, N) != (3, 4) {
@@ -106,12 +93,12 @@ impl Arrays<'_> {
             }
             element
         };
-        self.elements(accessor, component.size() * found, &part, read)
+        self.elements((index, accessor), component.size() * found, &part, read)
     }
 
     /// Vertex indices.
-    pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, SceneError> {
-        let accessor = self.document.accessors.get(index, user, self.notes.path)?;
+    pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>> {
+        let accessor = self.document.accessors.get(index, user)?;
         let part = format!("{}, {user}", self.document.accessors.label(index));
         let component = self.component(accessor.component_type, &part)?;
         if accessor.shape != "SCALAR"
@@ -120,10 +107,10 @@ impl Arrays<'_> {
             let message = "indices must be SCALAR and of component type 5121, 5123 or 5125";
             return Err(self.notes.error(&part, message));
         }
-        self.elements(accessor, component.size(), &part, |bytes| component.read(bytes) as u32)
+        self.elements((index, accessor), component.size(), &part, |bytes| component.read(bytes) as u32)
     }
 
-    fn component(&self, code: u32, part: &str) -> Result<NumberType, SceneError> {
+    fn component(&self, code: u32, part: &str) -> Result<NumberType> {
         component(code).ok_or_else(|| {
             let message =
                 format!("its componentType is {code}, but must be 5120, 5121, 5122, 5123, 5125 or 5126");
@@ -134,21 +121,22 @@ impl Arrays<'_> {
     /// All elements of an accessor, the sparse ones put in their places.
     fn elements<T: Clone>(
         &self,
-        accessor: &Accessor,
+        (index, accessor): (usize, &Accessor),
         size: usize,
         part: &str,
         read: impl Fn(&[u8]) -> T,
-    ) -> Result<Vec<T>, SceneError> {
+    ) -> Result<Vec<T>> {
         if accessor.count == 0 {
             return Err(self.notes.error(part, "its count is 0, but must be at least 1"));
         }
-        let mut elements = match accessor.buffer_view {
-            Some(view) => {
-                let view = self.buffers.view(view, self.document, part, self.notes)?;
+        let mut elements = match (self.unpacked.get(&index), accessor.buffer_view) {
+            (Some(unpacked), _) => unpacked.bytes.chunks_exact(size).map(&read).collect(),
+            (None, Some(view)) => {
+                let view = self.view(view, part)?;
                 let range = (accessor.byte_offset, size, accessor.count);
                 self.strided(&view, range, part)?.iter().map(&read).collect()
             }
-            None => vec![read(&vec![0; size]); self.zeros(accessor, part)?],
+            (None, None) => vec![read(&vec![0; size]); self.zeros(accessor, part)?],
         };
         self.apply_sparse(accessor, size, part, &mut elements, read)?;
         Ok(elements)
@@ -157,11 +145,11 @@ impl Arrays<'_> {
     /// Number of zeros that an accessor without a buffer view stands for.
     ///
     /// Nothing in the file backs the count, so it must not exceed the bytes that the file has.
-    fn zeros(&self, accessor: &Accessor, part: &str) -> Result<usize, SceneError> {
+    fn zeros(&self, accessor: &Accessor, part: &str) -> Result<usize> {
         if accessor.sparse.is_none() {
             return Err(self.notes.error(part, "it has neither a bufferView nor sparse values"));
         }
-        let limit = self.buffers.total();
+        let limit = self.total();
         if accessor.count > limit {
             let message =
                 format!("its count is {}, but the file's buffers have {limit} bytes", accessor.count);
@@ -176,7 +164,7 @@ impl Arrays<'_> {
         view: &View<'v>,
         (offset, size, count): (usize, usize, usize),
         part: &str,
-    ) -> Result<Strided<'v>, SceneError> {
+    ) -> Result<Strided<'v>> {
         let stride = view.stride.unwrap_or(size);
         Strided::new(view.bytes, offset, stride, size, count).ok_or_else(|| {
             let message = format!(
@@ -195,14 +183,14 @@ impl Arrays<'_> {
         part: &str,
         elements: &mut [T],
         read: impl Fn(&[u8]) -> T,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let Some(sparse) = &accessor.sparse else { return Ok(()) };
         if sparse.count == 0 {
             return Ok(());
         }
         let part = format!("{part}, sparse values");
         let array = |array: &SparseArray, size: usize| {
-            let view = self.buffers.view(array.buffer_view, self.document, &part, self.notes)?;
+            let view = self.view(array.buffer_view, &part)?;
             self.strided(&view, (array.byte_offset, size, sparse.count), &part)
         };
         let component = self.component(sparse.indices.component_type, &part)?;

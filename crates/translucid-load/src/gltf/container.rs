@@ -4,6 +4,8 @@
 
 use std::path::Path;
 
+use crate::result::Result;
+
 use translucid_scene::{Place, SceneError};
 
 /// The two parts of a file.
@@ -25,7 +27,7 @@ const HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
 /// Splits a file into its parts; what does not begin with the GLB magic is taken for JSON.
-pub(super) fn split<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, SceneError> {
+pub(super) fn split<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
     if !bytes.starts_with(b"glTF") {
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         return Ok(Container { json, binary: None });
@@ -40,7 +42,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, S
 }
 
 /// Checks the header and cuts the bytes to the length that it states.
-fn read_header<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8], SceneError> {
+fn read_header<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8]> {
     let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
         let message = format!("the file ends after {} bytes, within the GLB header of {HEADER}", bytes.len());
         return Err(at_byte(path, bytes.len(), message));
@@ -58,7 +60,7 @@ fn read_header<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8], SceneError>
 }
 
 /// The data of the first binary chunk; chunks of unknown kinds are passed over, as the standard demands.
-fn find_binary<'a>(bytes: &'a [u8], start: usize, path: &Path) -> Result<Option<&'a [u8]>, SceneError> {
+fn find_binary<'a>(bytes: &'a [u8], start: usize, path: &Path) -> Result<Option<&'a [u8]>> {
     let mut at = start;
     while at < bytes.len() {
         let chunk = read_chunk(bytes, at, path)?;
@@ -70,7 +72,7 @@ fn find_binary<'a>(bytes: &'a [u8], start: usize, path: &Path) -> Result<Option<
     Ok(None)
 }
 
-fn read_chunk<'a>(bytes: &'a [u8], at: usize, path: &Path) -> Result<Chunk<'a>, SceneError> {
+fn read_chunk<'a>(bytes: &'a [u8], at: usize, path: &Path) -> Result<Chunk<'a>> {
     let (Some(length), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
         return Err(at_byte(path, at, "the file ends within a chunk's header"));
     };

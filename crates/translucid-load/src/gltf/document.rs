@@ -4,7 +4,7 @@
 //! checked where they are used ([`Document::get`]).
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
@@ -12,6 +12,7 @@ use serde_json::{Map, Value};
 use translucid_scene::{Place, SceneError};
 
 use super::uri::clip;
+use crate::result::Result;
 
 /// Extension objects by name.
 pub(super) type Extensions = Map<String, Value>;
@@ -246,6 +247,7 @@ pub(super) struct SpotCone {
 pub(super) struct Sampler {
     pub(super) wrap_s: Option<u32>,
     pub(super) wrap_t: Option<u32>,
+    pub(super) mag_filter: Option<u32>,
 }
 
 #[derive(Deserialize)]
@@ -278,6 +280,8 @@ fn one<T: From<f32>>() -> T {
 pub(super) struct Elements<T> {
     items: Vec<T>,
     names: Vec<Option<String>>,
+    /// The file, for messages.
+    path: PathBuf,
 }
 
 impl<T: Element> Elements<T> {
@@ -285,10 +289,10 @@ impl<T: Element> Elements<T> {
     ///
     /// # Errors
     /// There is no such element; `user` is the part of the file that refers to it.
-    pub(super) fn get(&self, index: usize, user: &str, path: &Path) -> Result<&T, SceneError> {
+    pub(super) fn get(&self, index: usize, user: &str) -> Result<&T> {
         self.items.get(index).ok_or_else(|| {
             let message = format!("refers to {} {index}, but the file has {}", T::KIND, self.items.len());
-            SceneError::at(Place::part(path, user), message)
+            SceneError::at(Place::part(&self.path, user), message)
         })
     }
 
@@ -337,7 +341,7 @@ pub(super) struct Document {
 
 impl Document {
     /// Parses the JSON text.
-    pub(super) fn parse(json: &[u8], path: &Path) -> Result<Self, SceneError> {
+    pub(super) fn parse(json: &[u8], path: &Path) -> Result<Self> {
         let mut root: Extensions =
             serde_json::from_slice(json).map_err(|error| syntax_error(&error, path))?;
         check_version(&root, path)?;
@@ -367,30 +371,6 @@ impl Document {
     }
 }
 
-/// An extension object, if it is there.
-///
-/// # Errors
-/// It is there, but its content is not what its specification says.
-pub(super) fn extension<T: DeserializeOwned>(
-    extensions: &Extensions,
-    name: &str,
-    part: &str,
-    path: &Path,
-) -> Result<Option<T>, SceneError> {
-    let Some(value) = extensions.get(name) else { return Ok(None) };
-    T::deserialize(value).map(Some).map_err(|error| {
-        let message = error.to_string();
-        // A parser says what is wrong, not where: the key that by itself is wrong in the same way
-        let is_at_fault = |(key, value): &(&String, &Value)| {
-            let alone = Map::from_iter([((*key).clone(), (*value).clone())]);
-            T::deserialize(Value::Object(alone)).is_err_and(|error| error.to_string() == message)
-        };
-        let key = value.as_object().and_then(|object| object.iter().find(is_at_fault));
-        let key = key.map_or(String::new(), |(key, _)| format!(", {}", clip(key)));
-        SceneError::at(Place::part(path, format!("{part}, {name}{key}")), reason(&error))
-    })
-}
-
 fn syntax_error(error: &serde_json::Error, path: &Path) -> SceneError {
     let text = error.to_string();
     let reason = text.split(" at line ").next().unwrap_or(&text);
@@ -400,7 +380,7 @@ fn syntax_error(error: &serde_json::Error, path: &Path) -> SceneError {
 }
 
 /// A parser's message; it quotes what it found, however long that is.
-fn reason(error: &serde_json::Error) -> String {
+pub(super) fn reason(error: &serde_json::Error) -> String {
     let mut text = error.to_string();
     if let Some((cut, _)) = text.char_indices().nth(200) {
         text.truncate(cut);
@@ -409,7 +389,7 @@ fn reason(error: &serde_json::Error) -> String {
     text
 }
 
-fn check_version(root: &Extensions, path: &Path) -> Result<(), SceneError> {
+fn check_version(root: &Extensions, path: &Path) -> Result<()> {
     let place = || Place::part(path, "asset");
     let stated = |key: &str| root.get("asset").and_then(|asset| asset.get(key)).and_then(Value::as_str);
     match (stated("version"), stated("minVersion")) {
@@ -426,11 +406,7 @@ fn check_version(root: &Extensions, path: &Path) -> Result<(), SceneError> {
 }
 
 /// A top-level value.
-fn field<T: DeserializeOwned>(
-    root: &mut Extensions,
-    key: &str,
-    path: &Path,
-) -> Result<Option<T>, SceneError> {
+fn field<T: DeserializeOwned>(root: &mut Extensions, key: &str, path: &Path) -> Result<Option<T>> {
     let Some(value) = root.remove(key) else { return Ok(None) };
     serde_json::from_value(value)
         .map(Some)
@@ -438,9 +414,10 @@ fn field<T: DeserializeOwned>(
 }
 
 /// A top-level array; none is an empty one.
-fn elements<T: Element>(root: &mut Extensions, path: &Path) -> Result<Elements<T>, SceneError> {
+fn elements<T: Element>(root: &mut Extensions, path: &Path) -> Result<Elements<T>> {
     let values: Vec<Value> = field(root, T::KEY, path)?.unwrap_or_default();
-    let mut found = Elements { items: Vec::with_capacity(values.len()), names: Vec::new() };
+    let mut found =
+        Elements { items: Vec::with_capacity(values.len()), names: Vec::new(), path: path.to_owned() };
     for (index, value) in values.into_iter().enumerate() {
         let name = value.get("name").and_then(Value::as_str).map(String::from);
         let item = serde_json::from_value(value).map_err(|error| {

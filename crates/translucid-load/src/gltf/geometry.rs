@@ -1,10 +1,11 @@
 //! Mesh primitives: triangle lists, strips and fans with their vertex attributes.
 
 use glam::{Vec2, Vec3, Vec4};
-use translucid_scene::{Mesh, SceneError, Triangle};
+use translucid_scene::{Mesh, Triangle};
 
-use super::accessor::Arrays;
+use super::buffers::Arrays;
 use super::document::Primitive;
+use crate::result::Result;
 
 /// Triangles and vertices that a file may unfold to by instances and shared accessors.
 ///
@@ -61,7 +62,7 @@ impl Arrays<'_> {
         part: &str,
         uv_set: usize,
         budget: &mut usize,
-    ) -> Result<Option<Mesh>, SceneError> {
+    ) -> Result<Option<Mesh>> {
         let Some((topology, positions)) = self.surface(primitive, part)? else { return Ok(None) };
         let vertices = self.count(positions, part)?;
         let indices = primitive.indices.map(|accessor| self.count(accessor, part)).transpose()?;
@@ -83,7 +84,7 @@ impl Arrays<'_> {
     }
 
     /// The topology and the accessor of the positions, if the primitive has triangles that can be read.
-    fn surface(&self, primitive: &Primitive, part: &str) -> Result<Option<(Topology, usize)>, SceneError> {
+    fn surface(&self, primitive: &Primitive, part: &str) -> Result<Option<(Topology, usize)>> {
         let topology = match primitive.mode.unwrap_or(4) {
             4 => Topology::List,
             5 => Topology::Strip,
@@ -99,13 +100,6 @@ impl Arrays<'_> {
             self.notes.warn(part, "a primitive without POSITION is left out");
             return Ok(None);
         };
-        let accessor = self.document.accessors.get(positions, part, self.notes.path)?;
-        let draco = "KHR_draco_mesh_compression";
-        if primitive.extensions.contains_key(draco) && accessor.buffer_view.is_none() {
-            return Err(self
-                .notes
-                .error(part, format!("its geometry is compressed by {draco}, which is not read")));
-        }
         Ok(Some((topology, positions)))
     }
 
@@ -115,7 +109,7 @@ impl Arrays<'_> {
         key: &str,
         part: &str,
         convert: impl Fn([f32; N]) -> T,
-    ) -> Result<Vec<T>, SceneError> {
+    ) -> Result<Vec<T>> {
         let numbers = self.numbers::<N>(accessor, &format!("{key} of {part}"))?;
         Ok(numbers.into_iter().map(convert).collect())
     }
@@ -126,7 +120,7 @@ impl Arrays<'_> {
         topology: Topology,
         vertices: usize,
         part: &str,
-    ) -> Result<Vec<Triangle>, SceneError> {
+    ) -> Result<Vec<Triangle>> {
         let indices = match primitive.indices {
             Some(accessor) => self.indices(accessor, &format!("indices of {part}"))?,
             None => (0..vertices.try_into().unwrap_or(u32::MAX)).collect(),
@@ -146,7 +140,7 @@ impl Arrays<'_> {
         part: &str,
         uv_set: usize,
         mesh: &mut Mesh,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let find = |key: &str| primitive.attributes.get(key).copied();
         if let Some(accessor) = find("NORMAL") {
             mesh.normals = self.attribute(accessor, "NORMAL", part, Vec3::from_array)?;

@@ -3,24 +3,19 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
-use translucid_scene::{Camera, Film, Interval, Light, Projection, SceneError};
+use translucid_scene::{Camera, Film, Interval, Light, Projection};
 
-use super::document::{self, Camera as CameraData, Document, Node, Orthographic, PunctualLight, SpotCone};
+use super::document::{Camera as CameraData, Document, Node, Orthographic, PunctualLight, SpotCone};
+use super::extensions::Members;
 use super::notes::Notes;
 use crate::mesh_file::for_aspect;
+use crate::result::Result;
 
 /// Luminous flux of a watt \[lm\]: that of light of 540 THz, by the definition of the candela.
 ///
 /// Lamps say nothing of their spectrum, and Blender's exporter takes this number for what it writes in candela and lux,
 /// whatever the color, so that its watts come back.
 const LUMENS_PER_WATT: f64 = 683.0;
-
-/// A node's KHR_lights_punctual.
-#[derive(Deserialize)]
-struct LightReference {
-    light: usize,
-}
 
 /// Where glTF's lights and cameras look: along −z of their node.
 fn forward(world_from_local: &DAffine3) -> Vec3 {
@@ -48,14 +43,13 @@ pub(super) fn light(
     part: &str,
     document: &Document,
     notes: &Notes<'_>,
-) -> Result<Option<Light>, SceneError> {
-    let name = "KHR_lights_punctual";
-    let Some(reference) = document::extension::<LightReference>(&node.extensions, name, part, notes.path)?
-    else {
+) -> Result<Option<Light>> {
+    let Some(data) = Members::of(&node.extensions, "KHR_lights_punctual", part, notes.path)? else {
         return Ok(None);
     };
-    let data = document.lights.get(reference.light, part, notes.path)?;
-    let part = document.lights.label(reference.light);
+    let light = data.require("light")?;
+    let data = document.lights.get(light, part)?;
+    let part = document.lights.label(light);
     let scale = if data.kind == "directional" { 1.0 } else { units * units } / LUMENS_PER_WATT;
     let color = emitted(data, scale, &part, notes);
     let position = world_from_local.translation.as_vec3();
@@ -95,7 +89,7 @@ pub(super) fn light(
 }
 
 /// Refuses a position beyond the coordinates that a scene may have.
-fn check_position(position: Vec3, part: &str, notes: &Notes<'_>) -> Result<(), SceneError> {
+fn check_position(position: Vec3, part: &str, notes: &Notes<'_>) -> Result<()> {
     Interval::PLACE
         .check_all("position", position.to_array())
         .map_err(|error| notes.error(part, format!("its {}", error.message)))
@@ -141,7 +135,7 @@ pub(super) fn camera(
     units: f64,
     part: &str,
     notes: &Notes<'_>,
-) -> Result<Option<(Camera, Projection)>, SceneError> {
+) -> Result<Option<(Camera, Projection)>> {
     let film = Film::default();
     let mut aspect = f64::from(film.width) / f64::from(film.height);
     let of_square = match (data.kind.as_str(), &data.perspective, &data.orthographic) {

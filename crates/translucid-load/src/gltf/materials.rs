@@ -19,28 +19,14 @@
 use std::collections::{BTreeSet, HashMap};
 
 use glam::Vec3;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use translucid_scene::{Channel, ColorInput, Material, NormalMap, ScalarInput, SceneError};
+use translucid_scene::{Channel, ColorInput, Material, NormalMap, ScalarInput};
 
-use super::accessor::Arrays;
+use super::buffers::Arrays;
 use super::document::{self, AlphaMode, TextureInfo};
+use super::extensions::{Members, Support, support};
 use super::textures::{ImageShelf, Use};
 use super::uri::clip;
-
-/// Extensions that are read; the others get a warning.
-pub(super) const READ: [&str; 10] = [
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_scatter",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_volume",
-    "KHR_materials_volume_scatter",
-];
+use crate::result::Result;
 
 /// A material and the texture coordinates that it reads.
 #[derive(Clone, Copy)]
@@ -71,14 +57,14 @@ impl MaterialShelf {
         user: &str,
         units: f64,
         arrays: &Arrays<'_>,
-    ) -> Result<MaterialUse, SceneError> {
+    ) -> Result<MaterialUse> {
         if let Some(&known) = self.known.get(&index) {
             return Ok(known);
         }
         let default = document::Material::default();
         let (data, part) = match index {
             Some(index) => {
-                let data = arrays.document.materials.get(index, user, arrays.notes.path)?;
+                let data = arrays.document.materials.get(index, user)?;
                 (data, arrays.document.materials.label(index))
             }
             None => (&default, String::from("default material")),
@@ -86,7 +72,8 @@ impl MaterialShelf {
         let mut reader = MaterialReader { data, part, units, arrays, images: &mut self.images, uv_set: None };
         let material = reader.material()?;
         let uv_set = reader.uv_set;
-        self.left_out.extend(data.extensions.keys().filter(|name| !READ.contains(&name.as_str())).cloned());
+        let is_left_out = |name: &&String| support(name) != Support::OfMaterials;
+        self.left_out.extend(data.extensions.keys().filter(is_left_out).cloned());
         self.materials.push(material);
         let found = MaterialUse { index: self.materials.len() - 1, uv_set };
         self.known.insert(index, found);
@@ -114,59 +101,8 @@ pub(super) struct MaterialReader<'a> {
     uv_set: Option<usize>,
 }
 
-/// KHR_materials_emissive_strength.
-#[derive(Deserialize)]
-struct EmissiveStrength {
-    #[serde(rename = "emissiveStrength", default = "one")]
-    strength: f32,
-}
-
-/// KHR_materials_ior.
-#[derive(Deserialize)]
-struct Ior {
-    #[serde(default = "glass")]
-    ior: f32,
-}
-
-/// KHR_materials_specular.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Specular {
-    #[serde(default = "one")]
-    specular_factor: f32,
-    specular_texture: Option<TextureInfo>,
-    #[serde(default = "white")]
-    specular_color_factor: [f32; 3],
-    specular_color_texture: Option<TextureInfo>,
-}
-
-/// KHR_materials_clearcoat.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Clearcoat {
-    #[serde(default)]
-    clearcoat_factor: f32,
-    clearcoat_texture: Option<TextureInfo>,
-    #[serde(default)]
-    clearcoat_roughness_factor: f32,
-    clearcoat_roughness_texture: Option<TextureInfo>,
-    clearcoat_normal_texture: Option<TextureInfo>,
-}
-
-pub(super) fn one() -> f32 {
-    1.0
-}
-
-pub(super) fn white() -> [f32; 3] {
-    [1.0; 3]
-}
-
-fn glass() -> f32 {
-    1.5
-}
-
-impl MaterialReader<'_> {
-    fn material(&mut self) -> Result<Material, SceneError> {
+impl<'a> MaterialReader<'a> {
+    fn material(&mut self) -> Result<Material> {
         let mut material = Material { name: self.name(), ..Material::default() };
         self.read_base(&mut material)?;
         self.read_opacity(&mut material)?;
@@ -187,7 +123,7 @@ impl MaterialReader<'_> {
         self.data.name.clone().unwrap_or_else(|| self.part.clone())
     }
 
-    fn read_base(&mut self, material: &mut Material) -> Result<(), SceneError> {
+    fn read_base(&mut self, material: &mut Material) -> Result<()> {
         let data = &self.data.pbr_metallic_roughness;
         let [r, g, b, _] = data.base_color_factor.unwrap_or([1.0; 4]);
         material.base_color = self.color([r, g, b], data.base_color_texture.as_ref(), "baseColorFactor")?;
@@ -200,7 +136,7 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    fn read_opacity(&mut self, material: &mut Material) -> Result<(), SceneError> {
+    fn read_opacity(&mut self, material: &mut Material) -> Result<()> {
         let data = &self.data.pbr_metallic_roughness;
         let alpha = data.base_color_factor.map_or(1.0, |[.., alpha]| alpha);
         let alpha = self.unit(alpha, "alpha of baseColorFactor");
@@ -221,7 +157,7 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    fn read_normal(&mut self, material: &mut Material) -> Result<(), SceneError> {
+    fn read_normal(&mut self, material: &mut Material) -> Result<()> {
         let Some(info) = &self.data.normal_texture else { return Ok(()) };
         let texture = self.texture(Some(info), Use::Data)?;
         let scale = if info.scale.is_finite() { info.scale } else { 1.0 };
@@ -229,47 +165,40 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    fn read_emission(&mut self, material: &mut Material) -> Result<(), SceneError> {
+    fn read_emission(&mut self, material: &mut Material) -> Result<()> {
         if self.data.emissive_factor == [0.0; 3] {
             return Ok(());
         }
-        let extension: Option<EmissiveStrength> = self.extension("KHR_materials_emissive_strength")?;
+        let strength = self.extension("KHR_materials_emissive_strength")?;
+        let strength = strength.map(|data| data.get("emissiveStrength")).transpose()?.flatten();
         let texture = self.data.emissive_texture.as_ref();
         material.emission_color = self.color(self.data.emissive_factor, texture, "emissiveFactor")?;
-        material.emission_luminance = extension.map_or(1.0, |extension| extension.strength);
+        material.emission_luminance = strength.unwrap_or(1.0);
         Ok(())
     }
 
-    fn read_specular(&mut self, material: &mut Material) -> Result<(), SceneError> {
-        if let Some(Ior { ior }) = self.extension("KHR_materials_ior")? {
-            material.specular_ior = ior;
+    fn read_specular(&mut self, material: &mut Material) -> Result<()> {
+        if let Some(data) = self.extension("KHR_materials_ior")? {
+            material.specular_ior = data.get("ior")?.unwrap_or(1.5);
         }
-        if let Some(data) = self.extension::<Specular>("KHR_materials_specular")? {
-            let texture = data.specular_texture.as_ref();
-            material.specular_weight =
-                self.weight(data.specular_factor, texture, Channel::Alpha, "specularFactor")?;
-            // Unlike the others this factor may exceed 1; its product with the image may not.
-            let factor = Vec3::from_array(data.specular_color_factor);
-            let texture = data.specular_color_texture.as_ref();
-            material.specular_color = self.color([1.0; 3], texture, "specularColorFactor")?;
-            let most = if material.specular_color.texture.is_some() { f32::MAX } else { 1.0 };
-            material.specular_color.factor =
-                if factor.is_finite() { factor.clamp(Vec3::ZERO, Vec3::splat(most)) } else { Vec3::ONE };
-        }
+        let Some(data) = self.extension("KHR_materials_specular")? else { return Ok(()) };
+        material.specular_weight = self.weight_of(&data, "specular", 1.0, Channel::Alpha)?;
+        let texture: Option<TextureInfo> = data.get("specularColorTexture")?;
+        material.specular_color = self.color([1.0; 3], texture.as_ref(), "specularColorFactor")?;
+        // Unlike the others this factor may exceed 1; its product with the image may not.
+        let factor = Vec3::from_array(data.get("specularColorFactor")?.unwrap_or([1.0; 3]));
+        let most = if material.specular_color.texture.is_some() { f32::MAX } else { 1.0 };
+        material.specular_color.factor =
+            if factor.is_finite() { factor.clamp(Vec3::ZERO, Vec3::splat(most)) } else { Vec3::ONE };
         Ok(())
     }
 
-    fn read_coat(&mut self, material: &mut Material) -> Result<(), SceneError> {
-        let Some(data) = self.extension::<Clearcoat>("KHR_materials_clearcoat")? else { return Ok(()) };
-        let texture = data.clearcoat_texture.as_ref();
-        material.coat_weight =
-            self.weight(data.clearcoat_factor, texture, Channel::Red, "clearcoatFactor")?;
-        let texture = data.clearcoat_roughness_texture.as_ref();
-        let key = "clearcoatRoughnessFactor";
-        material.coat_roughness =
-            self.weight(data.clearcoat_roughness_factor, texture, Channel::Green, key)?;
+    fn read_coat(&mut self, material: &mut Material) -> Result<()> {
+        let Some(data) = self.extension("KHR_materials_clearcoat")? else { return Ok(()) };
+        material.coat_weight = self.weight_of(&data, "clearcoat", 0.0, Channel::Red)?;
+        material.coat_roughness = self.weight_of(&data, "clearcoatRoughness", 0.0, Channel::Green)?;
         material.coat_ior = 1.5;
-        if data.clearcoat_normal_texture.is_some() {
+        if data.get::<TextureInfo>("clearcoatNormalTexture")?.is_some() {
             self.warn("clearcoatNormalTexture is left out");
         }
         Ok(())
@@ -287,8 +216,8 @@ impl MaterialReader<'_> {
         }
     }
 
-    pub(super) fn extension<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, SceneError> {
-        document::extension(&self.data.extensions, name, &self.part, self.arrays.notes.path)
+    pub(super) fn extension(&self, name: &str) -> Result<Option<Members<'a>>> {
+        Members::of(&self.data.extensions, name, &self.part, self.arrays.notes.path)
     }
 
     pub(super) fn warn(&self, message: &str) {
@@ -311,19 +240,44 @@ impl MaterialReader<'_> {
         factor: [f32; 3],
         info: Option<&TextureInfo>,
         key: &str,
-    ) -> Result<ColorInput, SceneError> {
+    ) -> Result<ColorInput> {
         let factor = Vec3::from_array(factor.map(|channel| self.unit(channel, key)));
         Ok(ColorInput { factor, texture: self.texture(info, Use::Color)?, vertex_color: false })
     }
 
+    /// The color that an extension states by two members, a factor and a texture, whose names begin alike.
+    pub(super) fn color_of(
+        &mut self,
+        data: &Members<'_>,
+        name: &str,
+        default: [f32; 3],
+    ) -> Result<ColorInput> {
+        let key = format!("{name}Factor");
+        let texture: Option<TextureInfo> = data.get(&format!("{name}Texture"))?;
+        self.color(data.get(&key)?.unwrap_or(default), texture.as_ref(), &key)
+    }
+
+    /// As [`color_of`](Self::color_of), of one channel.
+    pub(super) fn weight_of(
+        &mut self,
+        data: &Members<'_>,
+        name: &str,
+        default: f32,
+        channel: Channel,
+    ) -> Result<ScalarInput> {
+        let key = format!("{name}Factor");
+        let texture: Option<TextureInfo> = data.get(&format!("{name}Texture"))?;
+        self.weight(data.get(&key)?.unwrap_or(default), texture.as_ref(), channel, &key)
+    }
+
     /// A factor with one channel of an image.
-    pub(super) fn weight(
+    fn weight(
         &mut self,
         factor: f32,
         info: Option<&TextureInfo>,
         channel: Channel,
         key: &str,
-    ) -> Result<ScalarInput, SceneError> {
+    ) -> Result<ScalarInput> {
         Ok(ScalarInput { factor: self.unit(factor, key), texture: self.channel(info, Use::Data, channel)? })
     }
 
@@ -332,7 +286,7 @@ impl MaterialReader<'_> {
         info: Option<&TextureInfo>,
         used_as: Use,
         channel: Channel,
-    ) -> Result<Option<(translucid_scene::TextureRef, Channel)>, SceneError> {
+    ) -> Result<Option<(translucid_scene::TextureRef, Channel)>> {
         Ok(self.texture(info, used_as)?.map(|texture| (texture, channel)))
     }
 
@@ -341,7 +295,7 @@ impl MaterialReader<'_> {
         &mut self,
         info: Option<&TextureInfo>,
         used_as: Use,
-    ) -> Result<Option<translucid_scene::TextureRef>, SceneError> {
+    ) -> Result<Option<translucid_scene::TextureRef>> {
         let Some(info) = info else { return Ok(None) };
         let Some((texture, set)) = self.images.texture(info, used_as, &self.part, self.arrays)? else {
             return Ok(None);

@@ -1,15 +1,15 @@
 //! Inside of a glTF material: transmission, absorption and scattering.
 //!
-//! - *Clear*: KHR_materials_transmission is `transmission_weight` (red channel). Its tint is the base
-//!   color, or, with an attenuationDistance d in KHR_materials_volume, `transmission_color` =
-//!   attenuationColor at `transmission_depth` = d.
+//! - *Clear*: KHR_materials_transmission is `transmission_weight` (red channel). The base color tints each crossing. With an
+//!   attenuationDistance d in KHR_materials_volume it is `transmission_tint`, and `transmission_color` =
+//!   attenuationColor at `transmission_depth` = d; without one it is `transmission_color`.
 //! - *Scattering*, of two drafts. KHR_materials_volume_scatter (KhronosGroup/glTF pull request 2453) states
 //!   ρ = multiscatterColorFactor, at first spelled multiscatterColor, the color after many scattering events,
 //!   which is `subsurface_color`. KHR_materials_volume then gives the extinction σ_t = −ln(c)/d per channel of
 //!   the attenuation color c, whatever the anisotropy, so that `subsurface_radius` ×
-//!   `subsurface_radius_scale` = d / −ln(c), the mean free path. As much light enters as
-//!   KHR_materials_diffuse_transmission says, else as KHR_materials_transmission says:
-//!   `subsurface_weight`. The diffuse transmission's color multiplies `subsurface_color`.
+//!   `subsurface_radius_scale` = d / −ln(c), the mean free path. KHR_materials_transmission lets its factor t of
+//!   the light in, KHR_materials_diffuse_transmission its factor of the rest: both are `subsurface_weight`. The diffuse
+//!   transmission's color multiplies `subsurface_color` by its share. The base color, by which t is tinted, is left out.
 //!   KHR_materials_scatter (pull request 2579) is to take the place of both: scatterStrengthFactor times ρ is
 //!   `subsurface_color`, and KHR_materials_transmission says how much light enters.
 //! - *Absorbing, entered diffusely*: KHR_materials_diffuse_transmission with a volume but no scattering
@@ -32,56 +32,12 @@
 //! An example of KHR_materials_volume_scatter's draft has a volume without a thickness: beside it, every volume is one.
 
 use glam::Vec3;
-use serde::Deserialize;
-use translucid_scene::{Channel, ColorInput, Material, ScalarInput, SceneError};
+use translucid_scene::{Channel, ColorInput, Material, ScalarInput};
 
 use super::document::TextureInfo;
-use super::materials::{MaterialReader, white};
-
-/// KHR_materials_transmission.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Transmission {
-    #[serde(default)]
-    transmission_factor: f32,
-    transmission_texture: Option<TextureInfo>,
-}
-
-/// KHR_materials_volume.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Volume {
-    #[serde(default)]
-    thickness_factor: f32,
-    attenuation_distance: Option<f64>,
-    #[serde(default = "white")]
-    attenuation_color: [f32; 3],
-}
-
-/// KHR_materials_volume_scatter, in both of its spellings.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct VolumeScatter {
-    multiscatter_color: Option<[f32; 3]>,
-    multiscatter_color_factor: Option<[f32; 3]>,
-    multiscatter_color_texture: Option<TextureInfo>,
-    #[serde(default)]
-    scatter_anisotropy: f32,
-}
-
-/// KHR_materials_scatter.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Scatter {
-    #[serde(default)]
-    scatter_strength_factor: f32,
-    scatter_strength_texture: Option<TextureInfo>,
-    #[serde(default = "white")]
-    multiscatter_color_factor: [f32; 3],
-    multiscatter_color_texture: Option<TextureInfo>,
-    #[serde(default)]
-    scatter_anisotropy: f32,
-}
+use super::extensions::Members;
+use super::materials::MaterialReader;
+use crate::result::Result;
 
 /// Scattering inside, whichever extension states it.
 struct Scattering {
@@ -91,18 +47,6 @@ struct Scattering {
     color: ColorInput,
     /// Mean cosine of the phase function.
     g: f32,
-}
-
-/// KHR_materials_diffuse_transmission.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct DiffuseTransmission {
-    #[serde(default)]
-    diffuse_transmission_factor: f32,
-    diffuse_transmission_texture: Option<TextureInfo>,
-    #[serde(default = "white")]
-    diffuse_transmission_color_factor: [f32; 3],
-    diffuse_transmission_color_texture: Option<TextureInfo>,
 }
 
 /// Attenuation colors above this would make the mean free path longer than 10⁴ attenuation distances.
@@ -128,32 +72,26 @@ impl Attenuation {
 
 impl MaterialReader<'_> {
     /// Transmission and subsurface parameters.
-    pub(super) fn read_media(&mut self, material: &mut Material) -> Result<(), SceneError> {
-        let volume = self.extension::<Volume>("KHR_materials_volume")?;
-        let attenuation = volume.as_ref().and_then(|volume| self.attenuation(volume));
-        let transmission = self.extension::<Transmission>("KHR_materials_transmission")?;
-        let clear = match &transmission {
-            Some(data) => {
-                let texture = data.transmission_texture.as_ref();
-                self.weight(data.transmission_factor, texture, Channel::Red, "transmissionFactor")?
-            }
+    pub(super) fn read_media(&mut self, material: &mut Material) -> Result<()> {
+        let volume = self.extension("KHR_materials_volume")?;
+        let attenuation = volume.as_ref().map(|data| self.attenuation(data)).transpose()?.flatten();
+        let clear = match self.extension("KHR_materials_transmission")? {
+            Some(data) => self.weight_of(&data, "transmission", 0.0, Channel::Red)?,
             None => ScalarInput::constant(0.0),
         };
-        let mut diffuse = self.extension::<DiffuseTransmission>("KHR_materials_diffuse_transmission")?;
-        let mut is_thin = volume.as_ref().is_none_or(|volume| volume.thickness_factor <= 0.0);
-        let scatter = match self.extension::<Scatter>("KHR_materials_scatter")? {
-            Some(data) => {
-                for name in ["KHR_materials_volume_scatter", "KHR_materials_diffuse_transmission"] {
-                    if self.data.extensions.contains_key(name) {
-                        self.warn(&format!(
-                            "{name} is left out beside KHR_materials_scatter, which replaces it"
-                        ));
-                    }
+        let thickness = volume.as_ref().map(|data| data.get("thicknessFactor")).transpose()?.flatten();
+        let mut is_thin = thickness.unwrap_or(0.0) <= 0.0;
+        let mut diffuse = self.extension("KHR_materials_diffuse_transmission")?;
+        let scatter = if let Some(data) = self.extension("KHR_materials_scatter")? {
+            for name in ["KHR_materials_volume_scatter", "KHR_materials_diffuse_transmission"] {
+                if self.data.extensions.contains_key(name) {
+                    self.warn(&format!("{name} is left out beside KHR_materials_scatter, which replaces it"));
                 }
-                diffuse = None;
-                self.scattering(&data)?
             }
-            None => match self.extension::<VolumeScatter>("KHR_materials_volume_scatter")? {
+            diffuse = None;
+            self.scattering(&data)?
+        } else {
+            match self.extension("KHR_materials_volume_scatter")? {
                 Some(data) if volume.is_some() => {
                     is_thin = false;
                     Some(self.volume_scattering(&data)?)
@@ -163,19 +101,23 @@ impl MaterialReader<'_> {
                     None
                 }
                 None => None,
-            },
+            }
         };
+        let diffuse = diffuse.map(|data| self.diffuse(&data)).transpose()?.flatten();
         if is_thin {
-            return self.read_thin_wall(material, clear, scatter.as_ref(), diffuse.as_ref());
+            self.read_thin_wall(material, clear, scatter.as_ref(), diffuse);
+            return Ok(());
         }
-        match (attenuation, scatter, &diffuse) {
-            (Some(attenuation), Some(scatter), _) => {
-                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
+        match (attenuation, scatter, diffuse) {
+            (Some(attenuation), Some(scatter), diffuse) => {
+                if clear.factor > 0.0 && !is_white(&material.base_color) {
+                    self.warn("the base color of light that transmissionFactor lets in is left out: the scattering colors it");
+                }
+                let (weight, tint) = self.entering(clear, diffuse);
                 set_subsurface(material, attenuation, weight, tint);
                 self.set_scattering(material, &scatter);
             }
-            (Some(attenuation), None, Some(_)) => {
-                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
+            (Some(attenuation), None, Some((weight, tint))) => {
                 set_subsurface(material, attenuation, weight, tint);
                 set_transmission(material, clear, Some(attenuation));
             }
@@ -195,8 +137,8 @@ impl MaterialReader<'_> {
         material: &mut Material,
         clear: ScalarInput,
         scatter: Option<&Scattering>,
-        diffuse: Option<&DiffuseTransmission>,
-    ) -> Result<(), SceneError> {
+        diffuse: Option<(ScalarInput, ColorInput)>,
+    ) {
         set_transmission(material, clear, None);
         if let Some(scatter) = scatter {
             material.subsurface_color = scatter.color;
@@ -216,73 +158,89 @@ impl MaterialReader<'_> {
                 }
             }
             material.subsurface_weight = scattered;
-        } else if diffuse.is_some() {
-            let (weight, tint) = self.entering(clear, diffuse)?;
+        } else if let Some((weight, tint)) = diffuse {
             (material.subsurface_weight, material.subsurface_color) = (weight, tint);
             material.subsurface_scatter_anisotropy = FORWARD;
         }
         material.geometry_thin_walled =
             material.subsurface_weight.factor > 0.0 || material.transmission_weight.factor > 0.0;
-        Ok(())
     }
 
-    /// Scattering as KHR_materials_volume_scatter states it.
-    fn volume_scattering(&mut self, data: &VolumeScatter) -> Result<Scattering, SceneError> {
-        let (key, factor) = match (data.multiscatter_color_factor, data.multiscatter_color) {
-            (Some(factor), _) => ("multiscatterColorFactor", factor),
-            (None, Some(color)) => ("multiscatterColor", color),
-            (None, None) => ("multiscatterColorFactor", [0.0; 3]),
+    /// Scattering as KHR_materials_volume_scatter states it, in either of its spellings.
+    fn volume_scattering(&mut self, data: &Members<'_>) -> Result<Scattering> {
+        let color = match (data.get("multiscatterColorFactor")?, data.get("multiscatterColor")?) {
+            (None, Some(old)) => {
+                let texture: Option<TextureInfo> = data.get("multiscatterColorTexture")?;
+                self.color(old, texture.as_ref(), "multiscatterColor")?
+            }
+            (new, _) => self.color_of(data, "multiscatterColor", new.unwrap_or_default())?,
         };
-        let texture = data.multiscatter_color_texture.as_ref();
-        let color = self.color(factor, texture, key)?;
-        Ok(Scattering { strength: 1.0, color, g: self.anisotropy(data.scatter_anisotropy) })
+        Ok(Scattering { strength: 1.0, color, g: self.anisotropy(data)? })
     }
 
     /// What KHR_materials_scatter states; none where its strength is 0, at which it is as if it were not there.
-    fn scattering(&mut self, data: &Scatter) -> Result<Option<Scattering>, SceneError> {
-        let strength = self.unit(data.scatter_strength_factor, "scatterStrengthFactor");
-        if data.scatter_strength_texture.is_some() {
+    fn scattering(&mut self, data: &Members<'_>) -> Result<Option<Scattering>> {
+        let strength = self.unit(data.get("scatterStrengthFactor")?.unwrap_or(0.0), "scatterStrengthFactor");
+        if data.get::<TextureInfo>("scatterStrengthTexture")?.is_some() {
             self.warn("scatterStrengthTexture is left out: scatterStrengthFactor counts everywhere");
         }
-        let texture = data.multiscatter_color_texture.as_ref();
-        let color = self.color(data.multiscatter_color_factor, texture, "multiscatterColorFactor")?;
-        let g = self.anisotropy(data.scatter_anisotropy);
+        let (color, g) = (self.color_of(data, "multiscatterColor", [1.0; 3])?, self.anisotropy(data)?);
         Ok((strength > 0.0).then_some(Scattering { strength, color, g }))
     }
 
     /// A mean cosine that a phase function can have.
-    fn anisotropy(&self, g: f32) -> f32 {
+    fn anisotropy(&self, data: &Members<'_>) -> Result<f32> {
+        let g: f32 = data.get("scatterAnisotropy")?.unwrap_or(0.0);
         let nearest = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
         if nearest != g {
             self.warn(&format!("scatterAnisotropy is {g}, but must be in (-1, 1): it becomes {nearest}"));
         }
-        nearest
+        Ok(nearest)
     }
 
-    fn attenuation(&self, volume: &Volume) -> Option<Attenuation> {
-        let distance = (volume.attenuation_distance? * self.units) as f32;
-        let color = Vec3::from_array(volume.attenuation_color.map(|c| self.unit(c, "attenuationColor")));
+    fn attenuation(&self, volume: &Members<'_>) -> Result<Option<Attenuation>> {
+        let color: [f32; 3] = volume.get("attenuationColor")?.unwrap_or([1.0; 3]);
+        let Some(distance) = volume.get::<f64>("attenuationDistance")? else { return Ok(None) };
+        let distance = (distance * self.units) as f32;
+        let color = Vec3::from_array(color.map(|channel| self.unit(channel, "attenuationColor")));
         if distance.is_finite() && distance > 0.0 {
-            return Some(Attenuation { color, distance });
+            return Ok(Some(Attenuation { color, distance }));
         }
         self.warn("an attenuationDistance that is not above 0 and finite is left out");
-        None
+        Ok(None)
     }
 
-    /// Share of the light that enters a scattering medium, and its tint.
+    /// Share and tint of the light that passes diffusely; none for a factor of 0, at which it is as if it were not there.
+    fn diffuse(&mut self, data: &Members<'_>) -> Result<Option<(ScalarInput, ColorInput)>> {
+        let weight = self.weight_of(data, "diffuseTransmission", 0.0, Channel::Alpha)?;
+        let tint = self.color_of(data, "diffuseTransmissionColor", [1.0; 3])?;
+        Ok((weight.factor > 0.0).then_some((weight, tint)))
+    }
+
+    /// Share of the light that enters a scattering medium, and its tint: clearly t, and diffusely d of the rest.
     fn entering(
-        &mut self,
+        &self,
         clear: ScalarInput,
-        diffuse: Option<&DiffuseTransmission>,
-    ) -> Result<(ScalarInput, ColorInput), SceneError> {
-        let Some(data) = diffuse else { return Ok((clear, ColorInput::constant(Vec3::ONE))) };
-        let texture = data.diffuse_transmission_texture.as_ref();
-        let key = "diffuseTransmissionFactor";
-        let weight = self.weight(data.diffuse_transmission_factor, texture, Channel::Alpha, key)?;
-        let texture = data.diffuse_transmission_color_texture.as_ref();
-        let tint =
-            self.color(data.diffuse_transmission_color_factor, texture, "diffuseTransmissionColorFactor")?;
-        Ok((weight, tint))
+        diffuse: Option<(ScalarInput, ColorInput)>,
+    ) -> (ScalarInput, ColorInput) {
+        let white = ColorInput::constant(Vec3::ONE);
+        let Some((weight, tint)) = diffuse else { return (clear, white) };
+        if clear.factor == 0.0 {
+            return (weight, tint);
+        }
+        let textured = [
+            (clear.texture.is_some(), "transmissionTexture"),
+            (weight.texture.is_some(), "diffuseTransmissionTexture"),
+            (tint.texture.is_some(), "diffuseTransmissionColorTexture"),
+        ];
+        // None of them is a factor of the sums
+        for (_, name) in textured.into_iter().filter(|(is_textured, _)| *is_textured) {
+            self.warn(&format!("{name} is left out where light enters both clearly and diffusely"));
+        }
+        let diffuse = (1.0 - clear.factor) * weight.factor;
+        let all = clear.factor + diffuse;
+        let tint = (Vec3::splat(clear.factor) + diffuse * tint.factor) / all;
+        (ScalarInput::constant(all), ColorInput::constant(tint))
     }
 
     /// Brings scattering into a material whose color is the tint of the light that enters.
@@ -314,9 +272,15 @@ fn set_transmission(material: &mut Material, weight: ScalarInput, attenuation: O
         Some(Attenuation { color, distance }) => {
             material.transmission_color = ColorInput::constant(color);
             material.transmission_depth = distance;
+            material.transmission_tint = material.base_color;
         }
         None => material.transmission_color = material.base_color,
     }
+}
+
+/// Whether a color leaves light as it is; vertex colors are for meshes to tell.
+fn is_white(color: &ColorInput) -> bool {
+    color.factor == Vec3::ONE && color.texture.is_none()
 }
 
 #[cfg(test)]

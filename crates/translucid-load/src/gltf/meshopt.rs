@@ -5,15 +5,12 @@
 
 use serde::Deserialize;
 
-/// Bytes that a compressed byte can stand for in a file, on average; real ones stand for less than ten.
-pub(super) const MOST_GROWTH: usize = 256;
+use super::extensions::Members;
+use crate::result::Result;
 
 /// Compressed contents of a buffer view.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
 pub(super) struct Compressed {
     pub(super) buffer: usize,
-    #[serde(default)]
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
     /// Bytes of an element.
@@ -21,7 +18,6 @@ pub(super) struct Compressed {
     /// Number of elements.
     count: usize,
     mode: Mode,
-    #[serde(default)]
     filter: Filter,
 }
 
@@ -45,6 +41,19 @@ enum Filter {
 }
 
 impl Compressed {
+    /// Reads the place, form and filter of a compressed view from the extension's object.
+    pub(super) fn of(data: &Members<'_>) -> Result<Self> {
+        Ok(Self {
+            buffer: data.require("buffer")?,
+            byte_offset: data.get("byteOffset")?.unwrap_or(0),
+            byte_length: data.require("byteLength")?,
+            byte_stride: data.require("byteStride")?,
+            count: data.require("count")?,
+            mode: data.require("mode")?,
+            filter: data.get("filter")?.unwrap_or_default(),
+        })
+    }
+
     /// Bytes of the contents.
     pub(super) fn length(&self) -> usize {
         self.count.saturating_mul(self.byte_stride)

@@ -3,10 +3,10 @@
 //! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
 //! input can make it panic or allocate more than the file's own size justifies.
 //!
-//! **Read**: external, embedded and GLB buffers, compressed by EXT_meshopt_compression or not; all index types, strides, normalized and sparse
-//! accessors; lists, strips and fans; KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and
-//! TRS; skins and morph targets in the pose that the file has; KHR_node_visibility; the materials of
-//! [`materials`]; KHR_texture_transform; KHR_lights_punctual; cameras.
+//! **Read**: external, embedded and GLB buffers, compressed by KHR_draco_mesh_compression, EXT_meshopt_compression,
+//! KHR_meshopt_compression or not; all index types, strides, normalized and sparse accessors; lists, strips and fans;
+//! KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and TRS; skins and morph targets in the pose that the file
+//! has; KHR_node_visibility; the materials of [`materials`]; KHR_texture_transform; KHR_lights_punctual; cameras.
 //!
 //! **Left out, with a warning**: points, lines, animations, second texture coordinates.
 //! **Refused**: extensions that a file requires and that are not read.
@@ -15,6 +15,8 @@ mod accessor;
 mod buffers;
 mod container;
 mod document;
+mod draco;
+mod extensions;
 mod geometry;
 mod lights;
 mod materials;
@@ -32,9 +34,9 @@ use std::path::Path;
 use glam::{Affine3A, DAffine3, DVec3};
 use translucid_scene::{Mesh, Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
 
-use self::accessor::Arrays;
-use self::buffers::Buffers;
+use self::buffers::Arrays;
 use self::document::{Document, Node, Primitive};
+use self::extensions::{Support, support};
 use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
@@ -45,6 +47,7 @@ use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use crate::loading::Loading;
 use crate::origin::Anchor;
+use crate::result::Result;
 use crate::winding::{orient, orient_together, warn_of_turned};
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
@@ -53,14 +56,14 @@ use crate::winding::{orient, orient_together, warn_of_turned};
 /// `warnings` say what was repaired or left out.
 ///
 /// # Errors
-/// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
+/// The file cannot be read, is not glTF 2.0, contradicts itself, needs an extension that is not read, or has no
 /// usable triangle; the message names the element at fault.
-pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile> {
     read_gltf(path, unit, &mut Loading::unwatched(warnings))
 }
 
 /// As [`load_gltf`], as a part of a load.
-pub(crate) fn read_gltf(path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+pub(crate) fn read_gltf(path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile> {
     parse(&loading.read(path)?, path, unit, loading)
 }
 
@@ -68,16 +71,11 @@ pub(crate) fn read_gltf(path: &Path, unit: Unit, loading: &mut Loading<'_>) -> R
 ///
 /// # Errors
 /// As [`load_gltf`].
-pub fn parse_gltf(
-    bytes: &[u8],
-    path: &Path,
-    unit: Unit,
-    warnings: &mut Vec<Warning>,
-) -> Result<MeshFile, SceneError> {
+pub fn parse_gltf(bytes: &[u8], path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile> {
     parse(bytes, path, unit, &mut Loading::unwatched(warnings))
 }
 
-fn parse(bytes: &[u8], path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+fn parse(bytes: &[u8], path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile> {
     let notes = Notes::new(path);
     let result = read(bytes, unit, &notes, loading);
     loading.add_files(notes.take_files());
@@ -85,17 +83,12 @@ fn parse(bytes: &[u8], path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Re
     result
 }
 
-fn read(
-    bytes: &[u8],
-    unit: Unit,
-    notes: &Notes<'_>,
-    loading: &mut Loading<'_>,
-) -> Result<MeshFile, SceneError> {
+fn read(bytes: &[u8], unit: Unit, notes: &Notes<'_>, loading: &mut Loading<'_>) -> Result<MeshFile> {
     let container = container::split(bytes, notes.path)?;
     let document = Document::parse(container.json, notes.path)?;
     check_extensions(&document, notes)?;
-    let buffers = Buffers::load(&document, container.binary, notes)?;
-    let arrays = Arrays { document: &document, buffers: &buffers, notes };
+    let mut arrays = Arrays::load(&document, container.binary, notes)?;
+    arrays.unpack()?;
     let units = 1000.0 / unit.in_millimeters();
     let mut placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
     let origin = anchor(&placed, &arrays);
@@ -129,50 +122,15 @@ fn read(
     assembly.finish()
 }
 
-/// Refuses a file that requires an extension that is not read; the help is a command that does without it, if there is one.
-fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
-    const READ: [&str; 6] = [
-        "EXT_mesh_gpu_instancing",
-        "EXT_texture_webp",
-        "KHR_lights_punctual",
-        "KHR_mesh_quantization",
-        "KHR_node_visibility",
-        "KHR_texture_transform",
-    ];
-    /// Extensions that change nothing of what a file shows at first.
-    const OF_NO_EFFECT: [&str; 7] = [
-        "KHR_animation_pointer",
-        "KHR_interactivity",
-        "KHR_materials_variants",
-        "KHR_node_hoverability",
-        "KHR_node_selectability",
-        "KHR_xmp",
-        "KHR_xmp_json_ld",
-    ];
-    let known = READ.iter().chain(&OF_NO_EFFECT).chain(&buffers::MESHOPT).chain(&materials::READ);
-    let Some(name) =
-        document.extensions_required.iter().find(|name| !known.clone().any(|known| known == *name))
-    else {
-        return Ok(());
-    };
-    let help = match name.as_str() {
-        "KHR_draco_mesh_compression" => "gltf-transform copy IN.glb OUT.glb takes the compression out",
-        "KHR_texture_basisu" => {
-            "gltf-transform ktxdecompress IN.glb OUT.glb makes PNG images of its textures, by KTX-Software"
+/// Refuses a file that requires an extension that is not read.
+fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<()> {
+    document.extensions_required.iter().try_for_each(|name| match support(name) {
+        Support::NotRead(help) => {
+            let message = format!("the file needs {}, which is not read", uri::clip(name));
+            Err(notes.error("extensionsRequired", message).with_help(help))
         }
-        "EXT_texture_avif" => {
-            "gltf-transform png IN.glb OUT.glb --formats '*' makes PNG images of its textures"
-        }
-        "KHR_materials_pbrSpecularGlossiness" => {
-            "gltf-transform metalrough IN.glb OUT.glb makes the materials ones that are read"
-        }
-        _ => {
-            "without its name in extensionsRequired the file is read, and what the extension adds is left out"
-        }
-    };
-    let error =
-        notes.error("extensionsRequired", format!("the file needs {}, which is not read", uri::clip(name)));
-    Err(error.with_help(help))
+        _ => Ok(()),
+    })
 }
 
 /// How often each mesh is used; what cannot be counted is refused when it is read.
@@ -180,7 +138,7 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
     let mut uses = HashMap::new();
     for placed in placed.iter().filter(|placed| placed.is_visible) {
         let part = arrays.document.nodes.label(placed.index);
-        let Ok(node) = arrays.document.nodes.get(placed.index, &part, arrays.notes.path) else { continue };
+        let Ok(node) = arrays.document.nodes.get(placed.index, &part) else { continue };
         if let Some(mesh) = node.mesh {
             let count: &mut usize = uses.entry(mesh).or_insert(0);
             *count = count.saturating_add(nodes::instance_count(node, &part, arrays));
@@ -191,14 +149,14 @@ fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, 
 
 /// A point near the first position of the first mesh.
 fn anchor(placed: &[PlacedNode], arrays: &Arrays<'_>) -> DVec3 {
-    let Arrays { document, notes, .. } = arrays;
+    let Arrays { document, .. } = arrays;
     let first = placed.iter().filter(|placed| placed.is_visible).find_map(|of_mesh| {
-        let node = document.nodes.get(of_mesh.index, "", notes.path).ok()?;
+        let node = document.nodes.get(of_mesh.index, "").ok()?;
         if let Some(skin) = node.skin.filter(|_| node.mesh.is_some()) {
-            let joint = *document.skins.get(skin, "", notes.path).ok()?.joints.first()?;
+            let joint = *document.skins.get(skin, "").ok()?.joints.first()?;
             return Some(placed.iter().find(|other| other.index == joint)?.world_from_local.translation);
         }
-        let mesh = document.meshes.get(node.mesh?, "", notes.path).ok()?;
+        let mesh = document.meshes.get(node.mesh?, "").ok()?;
         let accessor = *mesh.primitives.first()?.attributes.get("POSITION")?;
         // What is wrong with it is told of when the mesh is read
         let position = *arrays.numbers::<3>(accessor, "").ok()?.first()?;
@@ -251,7 +209,7 @@ fn uses_of_primitives<'a>(
     let mut sums: HashMap<Signature<'a>, usize> = HashMap::new();
     for (&mesh, &uses) in uses {
         // What cannot be found is refused when it is read
-        let Ok(mesh) = arrays.document.meshes.get(mesh, "", arrays.notes.path) else { continue };
+        let Ok(mesh) = arrays.document.meshes.get(mesh, "") else { continue };
         for signature in mesh.primitives.iter().map(signature).collect::<HashSet<_>>() {
             let sum = sums.entry(signature).or_insert(0);
             *sum = sum.saturating_add(uses);
@@ -287,10 +245,10 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
+    fn add_node(&mut self, placed: &PlacedNode) -> Result<()> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let part = document.nodes.label(placed.index);
-        let node = document.nodes.get(placed.index, &part, notes.path)?;
+        let node = document.nodes.get(placed.index, &part)?;
         if let Some(camera) = node.camera {
             self.add_camera(camera, placed, &part)?;
         }
@@ -306,15 +264,9 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    fn add_mesh(
-        &mut self,
-        index: usize,
-        node: &Node,
-        placed: &PlacedNode,
-        part: &str,
-    ) -> Result<(), SceneError> {
+    fn add_mesh(&mut self, index: usize, node: &Node, placed: &PlacedNode, part: &str) -> Result<()> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
-        let mesh = document.meshes.get(index, part, notes.path)?;
+        let mesh = document.meshes.get(index, part)?;
         let label = document.meshes.label(index);
         if mesh.primitives.is_empty() {
             notes.warn(&label, "a mesh without primitives is left out");
@@ -356,7 +308,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Where a node has its mesh. A skin's joints are in one place.
-    fn places(&self, node: &Node, placed: &PlacedNode, part: &str) -> Result<Vec<DAffine3>, SceneError> {
+    fn places(&self, node: &Node, placed: &PlacedNode, part: &str) -> Result<Vec<DAffine3>> {
         let places = nodes::instances(node, placed, part, self.arrays)?;
         if node.skin.is_some() && places.len() != 1 {
             self.arrays
@@ -367,7 +319,7 @@ impl<'a> Assembly<'a> {
         Ok(places)
     }
 
-    fn add_primitive(&mut self, of: &MeshUse<'a, '_>, part: &str) -> Result<(), SceneError> {
+    fn add_primitive(&mut self, of: &MeshUse<'a, '_>, part: &str) -> Result<()> {
         let primitive = of.primitive;
         let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
         let set = material.uv_set.unwrap_or(0);
@@ -407,7 +359,7 @@ impl<'a> Assembly<'a> {
         mesh: &mut Mesh,
         (material, uv_set): (usize, Option<usize>),
         part: &str,
-    ) -> Result<bool, SceneError> {
+    ) -> Result<bool> {
         let key = (signature(of.primitive), uv_set);
         let uses = self.uses.get(&key.0).copied().unwrap_or(1);
         if of.is_posed() || !mesh.is_worth_sharing(uses) || self.shared.contains_key(&key) {
@@ -428,7 +380,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Adds an object of the mesh at hand.
-    fn push(&mut self, object: Object, part: &str) -> Result<(), SceneError> {
+    fn push(&mut self, object: Object, part: &str) -> Result<()> {
         if self.scene.objects.len() >= Scene::MOST_OBJECTS {
             let most = Scene::MOST_OBJECTS;
             let message = format!("the file has more than {most} objects up to here");
@@ -438,22 +390,22 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    fn add_camera(&mut self, index: usize, placed: &PlacedNode, part: &str) -> Result<(), SceneError> {
+    fn add_camera(&mut self, index: usize, placed: &PlacedNode, part: &str) -> Result<()> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
-        let data = document.cameras.get(index, part, notes.path)?;
+        let data = document.cameras.get(index, part)?;
         let label = document.cameras.label(index);
         let Some((camera, of_square)) =
             lights::camera(data, &placed.world_from_local, self.units, &label, notes)?
         else {
             return Ok(());
         };
-        let of_node = document.nodes.get(placed.index, part, notes.path)?.name.clone();
+        let of_node = document.nodes.get(placed.index, part)?.name.clone();
         let name = of_node.or_else(|| data.name.clone()).unwrap_or(label);
         self.scene.cameras.push(NamedCamera { name, camera, of_square: Some(of_square) });
         Ok(())
     }
 
-    fn finish(self) -> Result<MeshFile, SceneError> {
+    fn finish(self) -> Result<MeshFile> {
         self.materials.report(self.arrays);
         warn_of_turned(self.turned, &Place::file(self.arrays.notes.path), self.warnings);
         if self.scene.objects.is_empty() {

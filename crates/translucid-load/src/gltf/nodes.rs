@@ -1,11 +1,14 @@
 //! The node hierarchy, flattened: which node is where in the world.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
-use translucid_scene::SceneError;
 
-use super::accessor::Arrays;
+use super::buffers::Arrays;
 use super::document::{self, Document, Node};
+use super::extensions::Members;
 use super::notes::Notes;
+use crate::result::Result;
+
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// A node with its place in the world.
 #[derive(Clone, Copy)]
@@ -16,17 +19,6 @@ pub(super) struct PlacedNode {
     pub(super) is_in_scene: bool,
     /// Whether its mesh and light show: it and its parents are visible by KHR_node_visibility.
     pub(super) is_visible: bool,
-}
-
-/// KHR_node_visibility.
-#[derive(serde::Deserialize)]
-struct Visibility {
-    #[serde(default = "yes")]
-    visible: bool,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// All nodes, those of the default scene first, parents before children, under a `world_from_root` transform.
@@ -40,7 +32,7 @@ pub(super) fn flatten(
     document: &Document,
     notes: &Notes<'_>,
     world_from_root: DAffine3,
-) -> Result<Vec<PlacedNode>, SceneError> {
+) -> Result<Vec<PlacedNode>> {
     let parents = find_parents(document, notes)?;
     refuse_cycles(&parents, document, notes)?;
     let place = |index, is_in_scene| PlacedNode {
@@ -59,27 +51,27 @@ pub(super) fn flatten(
     // An explicit stack: a chain of a million nodes is legal, and no reason to overflow the machine's.
     while let Some(mut at) = stack.pop() {
         let part = document.nodes.label(at.index);
-        let node = document.nodes.get(at.index, &part, notes.path)?;
+        let node = document.nodes.get(at.index, &part)?;
         at.world_from_local *= local_transform(node, &part, notes)?;
         if !at.world_from_local.is_finite() {
             return Err(notes.error(&part, "its transform in the world is too large for a number"));
         }
-        let visibility = "KHR_node_visibility";
-        let visibility = document::extension::<Visibility>(&node.extensions, visibility, &part, notes.path)?;
-        at.is_visible &= visibility.is_none_or(|visibility| visibility.visible);
+        if let Some(data) = Members::of(&node.extensions, "KHR_node_visibility", &part, notes.path)? {
+            at.is_visible &= data.get("visible")?.unwrap_or(true);
+        }
         stack.extend(node.children.iter().rev().map(|&index| PlacedNode { index, ..at }));
         placed.push(at);
     }
     Ok(placed)
 }
 
-fn find_parents(document: &Document, notes: &Notes<'_>) -> Result<Vec<Option<usize>>, SceneError> {
+fn find_parents(document: &Document, notes: &Notes<'_>) -> Result<Vec<Option<usize>>> {
     let nodes = document.nodes.as_slice();
     let mut parents = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
         let part = document.nodes.label(index);
         for &child in &node.children {
-            document.nodes.get(child, &part, notes.path)?;
+            document.nodes.get(child, &part)?;
             if let Some(other) = parents[child].replace(index) {
                 let (child, other) = (document.nodes.label(child), document.nodes.label(other));
                 return Err(notes.error(&child, format!("it is a child of both {other} and {part}")));
@@ -90,11 +82,7 @@ fn find_parents(document: &Document, notes: &Notes<'_>) -> Result<Vec<Option<usi
 }
 
 /// Follows every node's parents up; nodes known to lead to a root are not followed again.
-fn refuse_cycles(
-    parents: &[Option<usize>],
-    document: &Document,
-    notes: &Notes<'_>,
-) -> Result<(), SceneError> {
+fn refuse_cycles(parents: &[Option<usize>], document: &Document, notes: &Notes<'_>) -> Result<()> {
     /// Walk that visited a node first; 0 is none yet.
     type Walk = usize;
     let mut visited: Vec<Walk> = vec![0; parents.len()];
@@ -117,20 +105,16 @@ fn refuse_cycles(
     Ok(())
 }
 
-fn roots(
-    document: &Document,
-    parents: &[Option<usize>],
-    notes: &Notes<'_>,
-) -> Result<Vec<usize>, SceneError> {
+fn roots(document: &Document, parents: &[Option<usize>], notes: &Notes<'_>) -> Result<Vec<usize>> {
     if document.scene.is_none() && document.scenes.as_slice().is_empty() {
         return Ok((0..parents.len()).filter(|&node| parents[node].is_none()).collect());
     }
     let index = document.scene.unwrap_or(0);
-    let scene = document.scenes.get(index, "\"scene\"", notes.path)?;
+    let scene = document.scenes.get(index, "\"scene\"")?;
     let part = document.scenes.label(index);
     let mut listed = vec![false; parents.len()];
     for &node in &scene.nodes {
-        document.nodes.get(node, &part, notes.path)?;
+        document.nodes.get(node, &part)?;
         let label = || document.nodes.label(node);
         if parents[node].is_some() {
             return Err(notes.error(&part, format!("it lists {}, which is another node's child", label())));
@@ -143,7 +127,7 @@ fn roots(
 }
 
 /// A node's own transform: its matrix, or translation · rotation · scale.
-fn local_transform(node: &Node, part: &str, notes: &Notes<'_>) -> Result<DAffine3, SceneError> {
+fn local_transform(node: &Node, part: &str, notes: &Notes<'_>) -> Result<DAffine3> {
     if let Some(columns) = &node.matrix {
         let matrix = DMat4::from_cols_array(columns);
         if !matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-5) {
@@ -173,22 +157,16 @@ fn unit_rotation(rotation: DQuat, part: &str, notes: &Notes<'_>) -> DQuat {
     }
 }
 
-/// Attributes of EXT_mesh_gpu_instancing.
-#[derive(serde::Deserialize)]
-struct Instancing {
-    attributes: document::Attributes,
+/// The accessors of EXT_mesh_gpu_instancing by attribute, if a node has it.
+fn instancing(node: &Node, part: &str, arrays: &Arrays<'_>) -> Result<Option<document::Attributes>> {
+    let data = Members::of(&node.extensions, INSTANCING, part, arrays.notes.path)?;
+    data.map(|data| data.require("attributes")).transpose()
 }
 
 /// Number of instances of its mesh that a node has, as far as it is known without reading them.
 pub(super) fn instance_count(node: &Node, part: &str, arrays: &Arrays<'_>) -> usize {
-    let name = "EXT_mesh_gpu_instancing";
-    match document::extension::<Instancing>(&node.extensions, name, part, arrays.notes.path) {
-        Ok(Some(instancing)) => {
-            let accessor = instancing.attributes.values().next();
-            accessor.and_then(|&accessor| arrays.count(accessor, part).ok()).unwrap_or(0)
-        }
-        _ => 1,
-    }
+    let Ok(Some(attributes)) = instancing(node, part, arrays) else { return 1 };
+    attributes.values().next().and_then(|&accessor| arrays.count(accessor, part).ok()).unwrap_or(0)
 }
 
 /// Transforms of the instances of a node's mesh: one, or those of EXT_mesh_gpu_instancing.
@@ -197,19 +175,14 @@ pub(super) fn instances(
     placed: &PlacedNode,
     part: &str,
     arrays: &Arrays<'_>,
-) -> Result<Vec<DAffine3>, SceneError> {
-    let name = "EXT_mesh_gpu_instancing";
-    let Some(instancing) =
-        document::extension::<Instancing>(&node.extensions, name, part, arrays.notes.path)?
-    else {
-        return Ok(vec![placed.world_from_local]);
-    };
-    let part = format!("{part}, {name}");
+) -> Result<Vec<DAffine3>> {
+    let Some(attributes) = instancing(node, part, arrays)? else { return Ok(vec![placed.world_from_local]) };
+    let part = format!("{part}, {INSTANCING}");
     let read3 = |key: &str| {
-        let accessor = instancing.attributes.get(key);
+        let accessor = attributes.get(key);
         accessor.map(|&accessor| arrays.numbers::<3>(accessor, &format!("{key} of {part}"))).transpose()
     };
-    let rotation_accessor = instancing.attributes.get("ROTATION");
+    let rotation_accessor = attributes.get("ROTATION");
     let rotations =
         rotation_accessor.map(|&a| arrays.numbers::<4>(a, &format!("ROTATION of {part}"))).transpose()?;
     let (translations, scales) = (read3("TRANSLATION")?, read3("SCALE")?);

@@ -5,11 +5,12 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
-use translucid_scene::{Mesh, SceneError};
+use translucid_scene::Mesh;
 
-use super::accessor::Arrays;
+use super::buffers::Arrays;
 use super::document::Primitive;
 use super::nodes::PlacedNode;
+use crate::result::Result;
 
 /// Where the nodes that may be joints are.
 pub(super) type Joints = HashMap<usize, DAffine3>;
@@ -28,13 +29,8 @@ impl Arrays<'_> {
     ///
     /// # Errors
     /// A joint or the matrices are not there, or too few.
-    pub(super) fn joint_maps(
-        &self,
-        skin: usize,
-        joints: &Joints,
-        part: &str,
-    ) -> Result<Vec<DAffine3>, SceneError> {
-        let data = self.document.skins.get(skin, part, self.notes.path)?;
+    pub(super) fn joint_maps(&self, skin: usize, joints: &Joints, part: &str) -> Result<Vec<DAffine3>> {
+        let data = self.document.skins.get(skin, part)?;
         let part = self.document.skins.label(skin);
         let bindings = match data.inverse_bind_matrices {
             Some(accessor) => self.numbers::<16>(accessor, &format!("inverseBindMatrices of {part}"))?,
@@ -47,7 +43,7 @@ impl Arrays<'_> {
                 .error(&part, format!("it has {found} inverse bind matrices, but {needed} joints")));
         }
         let maps = data.joints.iter().zip(bindings).map(|(&joint, columns)| {
-            self.document.nodes.get(joint, &part, self.notes.path)?;
+            self.document.nodes.get(joint, &part)?;
             let joint_from_mesh = DAffine3::from_mat4(DMat4::from_cols_array(&columns.map(f64::from)));
             let world_from_joint = joints.get(&joint).copied().unwrap_or_default();
             let map = world_from_joint * joint_from_mesh;
@@ -70,7 +66,7 @@ impl Arrays<'_> {
         joints: &[DAffine3],
         vertices: usize,
         part: &str,
-    ) -> Result<Option<Vec<DAffine3>>, SceneError> {
+    ) -> Result<Option<Vec<DAffine3>>> {
         let mut sums = vec![(0.0, DMat3::ZERO, DVec3::ZERO); vertices];
         let mut first = vec![0; vertices];
         let attribute = |key: String| primitive.attributes.get(&key).map(|&accessor| (accessor, key));
@@ -123,7 +119,7 @@ impl Arrays<'_> {
         (accessor, key): (usize, String),
         vertices: usize,
         part: &str,
-    ) -> Result<Vec<[f32; 4]>, SceneError> {
+    ) -> Result<Vec<[f32; 4]>> {
         let found = self.numbers::<4>(accessor, &format!("{key} of {part}"))?;
         let shape = &self.document.accessors.as_slice()[accessor].shape;
         if found.len() != vertices || shape != "VEC4" {
@@ -135,7 +131,7 @@ impl Arrays<'_> {
         Ok(found)
     }
 
-    fn joint(&self, joints: &[DAffine3], number: usize, part: &str) -> Result<DAffine3, SceneError> {
+    fn joint(&self, joints: &[DAffine3], number: usize, part: &str) -> Result<DAffine3> {
         joints.get(number).copied().ok_or_else(|| {
             self.notes.error(part, format!("it refers to joint {number}, but its skin has {}", joints.len()))
         })
@@ -148,7 +144,7 @@ impl Arrays<'_> {
         weights: &[f64],
         part: &str,
         mesh: &mut Mesh,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         for (number, (target, &weight)) in primitive.targets.iter().zip(weights).enumerate() {
             if weight == 0.0 {
                 continue;

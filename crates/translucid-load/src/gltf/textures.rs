@@ -4,13 +4,16 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use glam::{Affine2, Mat2, Vec2};
-use serde::Deserialize;
-use translucid_scene::{ColorSpace, Image, ImageKind, Pixels, Place, SceneError, TextureRef, Warning, Wrap};
+use translucid_scene::{
+    ColorSpace, Image, ImageKind, Pixels, Place, TextureFilter, TextureRef, Warning, Wrap,
+};
 
-use super::accessor::Arrays;
-use super::document::{self, TextureInfo};
+use super::buffers::Arrays;
+use super::document::TextureInfo;
+use super::extensions::Members;
 use super::uri;
 use crate::image::{self, decode_for};
+use crate::result::Result;
 
 /// Use of an image's pixels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,15 +36,8 @@ pub(super) struct ImageShelf {
     known: HashMap<(usize, Use), Option<usize>>,
 }
 
-/// EXT_texture_webp.
-#[derive(Deserialize)]
-struct Source {
-    source: usize,
-}
-
 /// KHR_texture_transform.
-#[derive(Deserialize, Default)]
-#[serde(rename_all = "camelCase", default)]
+#[derive(Default)]
 struct TextureTransform {
     offset: [f32; 2],
     rotation: f32,
@@ -50,6 +46,15 @@ struct TextureTransform {
 }
 
 impl TextureTransform {
+    fn of(data: &Members<'_>) -> Result<Self> {
+        Ok(Self {
+            offset: data.get("offset")?.unwrap_or_default(),
+            rotation: data.get("rotation")?.unwrap_or_default(),
+            scale: data.get("scale")?,
+            tex_coord: data.get("texCoord")?,
+        })
+    }
+
     /// The map on coordinates whose v points up.
     ///
     /// The extension's own map M = translation · rotation · scale is for v down, where its rotation by an
@@ -71,27 +76,26 @@ impl ImageShelf {
         used_as: Use,
         part: &str,
         arrays: &Arrays<'_>,
-    ) -> Result<Option<(TextureRef, usize)>, SceneError> {
+    ) -> Result<Option<(TextureRef, usize)>> {
         let (document, path) = (arrays.document, arrays.notes.path);
-        let texture = document.textures.get(info.index, part, path)?;
+        let texture = document.textures.get(info.index, part)?;
         let label = document.textures.label(info.index);
-        let transform: Option<TextureTransform> =
-            document::extension(&info.extensions, "KHR_texture_transform", part, path)?;
-        let transform = transform.unwrap_or_default();
+        let transform = Members::of(&info.extensions, "KHR_texture_transform", part, path)?;
+        let transform = transform.as_ref().map(TextureTransform::of).transpose()?.unwrap_or_default();
         let image_from_uv = transform.image_from_uv();
         if !image_from_uv.to_cols_array().iter().all(|&number| TextureRef::MAPPING.contains_single(number)) {
             return Err(arrays.notes.error(part, "its KHR_texture_transform is too large"));
         }
-        let wrap = match texture.sampler {
+        let (wrap, filter) = match texture.sampler {
             Some(sampler) => {
-                let sampler = document.samplers.get(sampler, &label, path)?;
-                [wrap(sampler.wrap_s), wrap(sampler.wrap_t)]
+                let sampler = document.samplers.get(sampler, &label)?;
+                ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter(sampler.mag_filter))
             }
-            None => [Wrap::Repeat; 2],
+            None => ([Wrap::Repeat; 2], TextureFilter::Linear),
         };
-        let webp: Option<Source> =
-            document::extension(&texture.extensions, "EXT_texture_webp", &label, path)?;
-        let Some(source) = webp.map(|webp| webp.source).or(texture.source) else {
+        let webp = Members::of(&texture.extensions, "EXT_texture_webp", &label, path)?;
+        let webp = webp.map(|data| data.require("source")).transpose()?;
+        let Some(source) = webp.or(texture.source) else {
             let reason = match texture.extensions.keys().next() {
                 Some(name) => format!("{} is not read", uri::clip(name)),
                 None => String::from("it has no source"),
@@ -101,7 +105,7 @@ impl ImageShelf {
         };
         let image = self.image(source, used_as, part, &label, arrays)?;
         let set = transform.tex_coord.unwrap_or(info.tex_coord);
-        Ok(image.map(|image| (TextureRef { image, image_from_uv, wrap }, set)))
+        Ok(image.map(|image| (TextureRef { image, image_from_uv, wrap, filter }, set)))
     }
 
     fn image(
@@ -111,8 +115,8 @@ impl ImageShelf {
         part: &str,
         texture: &str,
         arrays: &Arrays<'_>,
-    ) -> Result<Option<usize>, SceneError> {
-        arrays.document.images.get(index, texture, arrays.notes.path)?;
+    ) -> Result<Option<usize>> {
+        arrays.document.images.get(index, texture)?;
         if let Some(&known) = self.known.get(&(index, used_as)) {
             return Ok(known);
         }
@@ -154,7 +158,7 @@ impl ImageShelf {
                 Cow::Owned(contents.bytes)
             }
             (None, Some(view)) => {
-                let view = arrays.buffers.view(view, arrays.document, &label, arrays.notes);
+                let view = arrays.view(view, &label);
                 Cow::Borrowed(view.map_err(|error| error.message)?.bytes)
             }
             (None, None) => return Err(String::from("it has neither a URI nor a bufferView")),
@@ -173,6 +177,11 @@ fn wrap(code: Option<u32>) -> Wrap {
         Some(33648) => Wrap::Mirror,
         _ => Wrap::Repeat,
     }
+}
+
+/// The filter of a sampler near enough to see its pixels: farther away samples average them in any case.
+fn filter(code: Option<u32>) -> TextureFilter {
+    if code == Some(9728) { TextureFilter::Nearest } else { TextureFilter::Linear }
 }
 
 /// A copy whose alpha is 1 where it was at least `cutoff` and 0 elsewhere.

@@ -2,6 +2,8 @@
 
 use translucid_scene::{Image, Place, SceneError};
 
+use crate::result::Result;
+
 /// Pixels that may be claimed by a file of any length.
 const SMALL: usize = 1 << 22;
 
@@ -26,7 +28,7 @@ impl ImageBytes<'_> {
     }
 
     /// Number of pixels, refused before anything of that size is allocated.
-    pub(super) fn check_size(&self, width: usize, height: usize) -> Result<usize, SceneError> {
+    pub(super) fn check_size(&self, width: usize, height: usize) -> Result<usize> {
         if width == 0 || height == 0 {
             return Err(self.error(format!("the image has no pixels: {width} × {height}")));
         }
@@ -49,7 +51,7 @@ impl ImageBytes<'_> {
     }
 
     /// Refuses more values of all channels together than fit in memory, or than a file of this length may hold.
-    pub(super) fn check_samples(&self, samples: u64) -> Result<(), SceneError> {
+    pub(super) fn check_samples(&self, samples: u64) -> Result<()> {
         let length = self.bytes.len();
         let claimed = SMALL.saturating_add(length.saturating_mul(PIXELS_PER_BYTE)) as u64;
         let most = claimed.saturating_mul(SAMPLES_PER_PIXEL).min(MOST_SAMPLES);

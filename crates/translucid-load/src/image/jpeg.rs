@@ -49,6 +49,13 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
     if samples.len() != 3 * count {
         return Err(source.error(format!("damaged JPEG: {} samples for {count} pixels", samples.len())));
     }
+    if let Some(kind) = gain_map(source.bytes) {
+        let message = format!(
+            "has a gain map ({kind}), which is left out: its base picture is a rendition for displays, not light; save \
+             the HDR picture as OpenEXR"
+        );
+        warnings.push(Warning { message, place: Some(source.place.clone()) });
+    }
     let pixels = samples.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
     let exif = header.exif().map(|exif| Exif::parse(exif)).unwrap_or_default();
     let stated = match (header.icc_profile(), exif.color) {
@@ -84,6 +91,17 @@ fn unread_kind(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// The kind of a gain map by which the file makes an HDR picture of its base, if it has one.
+fn gain_map(bytes: &[u8]) -> Option<&'static str> {
+    const KINDS: [(&[u8], &str); 3] = [
+        (b"urn:iso:std:iso:ts:21496:-1", "ISO 21496-1"),
+        (b"http://ns.adobe.com/hdr-gain-map/", "Ultra HDR"),
+        (b"urn:com:apple:photo:2020:aux:hdrgainmap", "Apple's"),
+    ];
+    let has = |name: &[u8]| bytes.windows(name.len()).any(|window| window == name);
+    KINDS.into_iter().find(|(name, _)| has(name)).map(|(_, kind)| kind)
+}
+
 /// Whether no end marker follows the last scan; the decoder fills what is missing with grey.
 fn lacks_end(bytes: &[u8]) -> bool {
     let last = |marker: [u8; 2]| bytes.windows(2).rposition(|pair| pair == marker);
@@ -94,17 +112,18 @@ fn lacks_end(bytes: &[u8]) -> bool {
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{ColorSpace, Image, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Place};
 
     use super::*;
     use crate::decode_image;
+    use crate::result::Result;
 
     const COLOR: &[u8] = include_bytes!("../../tests/data/color.jpg");
     const PROGRESSIVE: &[u8] = include_bytes!("../../tests/data/progressive.jpg");
     const GREY: &[u8] = include_bytes!("../../tests/data/grey.jpg");
     const CMYK: &[u8] = include_bytes!("../../tests/data/cmyk.jpg");
 
-    fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>), SceneError> {
+    fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>)> {
         let mut warnings = Vec::new();
         let place = Place::file(Path::new("a.jpg"));
         let image = decode_image(&place, bytes, ColorSpace::Linear, &mut warnings)?;
@@ -135,6 +154,27 @@ mod tests {
     #[test]
     fn jpeg_of_inks_becomes_red_green_blue() {
         assert_halves(CMYK, [200, 100, 50], [0; 3]);
+    }
+
+    #[test]
+    fn jpeg_with_a_gain_map_is_told_to_be_a_rendition() {
+        for (name, kind) in [
+            ("urn:iso:std:iso:ts:21496:-1\0\0\0", "ISO 21496-1"),
+            ("<rdf xmlns:hdrgm=\"http://ns.adobe.com/hdr-gain-map/1.0/\"/>", "Ultra HDR"),
+            ("<apdi>urn:com:apple:photo:2020:aux:hdrgainmap</apdi>", "Apple's"),
+        ] {
+            let length = u16::try_from(name.len() + 2).unwrap().to_be_bytes();
+            let segment = [&[0xff, 0xe2], &length[..], name.as_bytes()].concat();
+            // In the base's header, or in that of the map behind it
+            for file in [
+                [&COLOR[..2], &segment, &COLOR[2..]].concat(),
+                [COLOR, &COLOR[..2], &segment, &COLOR[2..]].concat(),
+            ] {
+                let (image, warnings) = decoded(&file).unwrap();
+                assert_eq!(image.texel(4, 8), decoded(COLOR).unwrap().0.texel(4, 8));
+                assert!(warnings[0].message.contains(&format!("gain map ({kind})")), "{warnings:?}");
+            }
+        }
     }
 
     #[test]

@@ -17,6 +17,7 @@ use std::path::Path;
 
 use crate::file::read_file;
 use crate::loading::Loading;
+use crate::result::Result;
 use encoding::{Curve, Encoding, Samples};
 pub use exr::ExrChannels;
 use file_bytes::ImageBytes;
@@ -25,18 +26,15 @@ use translucid_scene::{ColorSpace, Image, ImageKind, Pixels, Place, SceneError, 
 
 /// Loads a photograph: PNG, JPEG, WebP, TIFF, OpenEXR or Radiance HDR, whatever its name ends in.
 ///
-/// What the file states of its colors counts: ICC profiles, cICP, gAMA and cHRM of PNG, chromaticities of OpenEXR.
+/// The file's own statement of its colors counts: ICC profiles, cICP, gAMA and cHRM of PNG, chromaticities and CIE XYZ of
+/// OpenEXR, EXPOSURE and COLORCORR of Radiance HDR. Of a JPEG with a gain map the base is read, with a warning.
 /// They become linear Rec. 709, with negative values for colors beyond it.
 /// `color_space` is that of integers in a file that states none; `Linear` replaces also a stated curve, but not stated primaries.
 /// The pixels stand as a viewer shows them: the orientation of EXIF and TIFF counts.
 ///
 /// # Errors
 /// The file cannot be read, is damaged, of another format, beyond 32 768 pixels an edge or 2²⁸ pixels.
-pub fn load_image(
-    path: &Path,
-    color_space: ColorSpace,
-    warnings: &mut Vec<Warning>,
-) -> Result<Image, SceneError> {
+pub fn load_image(path: &Path, color_space: ColorSpace, warnings: &mut Vec<Warning>) -> Result<Image> {
     let bytes = read_file(path)?;
     let kind = ImageKind::Color(color_space);
     let image = decode_for(Use::Photograph, &Place::file(path), &bytes, kind, warnings)?;
@@ -47,20 +45,12 @@ pub fn load_image(
 ///
 /// # Errors
 /// As [`load_image`].
-pub fn load_plain_image(
-    path: &Path,
-    color_space: ColorSpace,
-    warnings: &mut Vec<Warning>,
-) -> Result<Image, SceneError> {
+pub fn load_plain_image(path: &Path, color_space: ColorSpace, warnings: &mut Vec<Warning>) -> Result<Image> {
     decode_for(Use::Scene, &Place::file(path), &read_file(path)?, ImageKind::Plain(color_space), warnings)
 }
 
 /// Loads an image of a scene as [`load_image`] does, as a part of a load.
-pub(crate) fn read_image(
-    path: &Path,
-    kind: ImageKind,
-    loading: &mut Loading<'_>,
-) -> Result<Image, SceneError> {
+pub(crate) fn read_image(path: &Path, kind: ImageKind, loading: &mut Loading<'_>) -> Result<Image> {
     let bytes = loading.read(path)?;
     let image = decode_for(Use::Scene, &Place::file(path), &bytes, kind, loading.warnings)?;
     Ok(Image { path: Some(path.to_owned()), ..image })
@@ -70,7 +60,7 @@ pub(crate) fn read_image(
 ///
 /// # Errors
 /// The file cannot be read, is damaged, of another format, or beyond what an image may have, see [`load_image`].
-pub fn load_exr(path: &Path) -> Result<ExrChannels, SceneError> {
+pub fn load_exr(path: &Path) -> Result<ExrChannels> {
     let (place, bytes) = (Place::file(path), read_file(path)?);
     exr::decode_channels(&ImageBytes { place: &place, bytes: &bytes })
 }
@@ -84,7 +74,7 @@ pub fn decode_image(
     bytes: &[u8],
     color_space: ColorSpace,
     warnings: &mut Vec<Warning>,
-) -> Result<Image, SceneError> {
+) -> Result<Image> {
     decode_for(Use::Scene, place, bytes, ImageKind::Color(color_space), warnings)
 }
 
@@ -106,14 +96,14 @@ pub(crate) fn decode_for(
     bytes: &[u8],
     kind: ImageKind,
     warnings: &mut Vec<Warning>,
-) -> Result<Image, SceneError> {
+) -> Result<Image> {
     let source = ImageBytes { place, bytes };
     let picture = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(&source)?,
         [0xff, 0xd8, 0xff, ..] => jpeg::decode(&source, warnings)?,
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source, warnings)?,
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => tiff::decode(&source, warnings)?,
-        [b'#', b'?', ..] => radiance::decode(&source)?,
+        [b'#', b'?', ..] => radiance::decode(&source, warnings)?,
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => webp::decode(&source)?,
         _ => return Err(other_formats::refusal(&source)),
     };
@@ -162,6 +152,8 @@ impl Picture {
 enum Stated {
     Icc(Vec<u8>),
     Encoding(Box<Encoding>),
+    /// One of which a part is not stated, and a warning.
+    Partly(Box<Encoding>, String),
     /// A statement that is passed over, in words that go on with what is done instead.
     Unknown(String),
 }
@@ -173,7 +165,7 @@ impl Stated {
 }
 
 /// A picture as its decoder returns it.
-type Decoded = Result<Picture, SceneError>;
+type Decoded = Result<Picture>;
 
 /// The way from a picture's numbers to an image.
 struct Reading<'a> {
@@ -187,7 +179,7 @@ impl Reading<'_> {
         self.warnings.push(Warning { message, place: Some(self.place.clone()) });
     }
 
-    fn decode(&mut self, picture: Picture, kind: ImageKind) -> Result<(Pixels, ColorSpace), SceneError> {
+    fn decode(&mut self, picture: Picture, kind: ImageKind) -> Result<(Pixels, ColorSpace)> {
         let Picture { samples, is_gray, stated, .. } = picture;
         let color_space = kind.color_space();
         let (wanted, taken_as) = match color_space {
@@ -198,6 +190,10 @@ impl Reading<'_> {
         let encoding = match stated {
             None => return Ok(plain(samples, color_space)),
             Some(Stated::Encoding(encoding)) => *encoding,
+            Some(Stated::Partly(encoding, words)) => {
+                self.warn(words);
+                *encoding
+            }
             Some(Stated::Unknown(words)) => {
                 self.warn(format!("{words}: its numbers are taken as {taken_as}"));
                 return Ok(plain(samples, color_space));

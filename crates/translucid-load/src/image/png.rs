@@ -9,6 +9,7 @@ use super::file_bytes::ImageBytes;
 use super::tags::Exif;
 use super::{Decoded, Picture, Stated};
 use crate::primaries::{DISPLAY_P3, Primaries, REC_709, REC_2020};
+use crate::result::Result;
 
 /// Decodes 8 bits a channel or less to bytes, 16 bits to 16 bits.
 pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
@@ -54,9 +55,12 @@ pub(super) fn rgba<T: Copy>(pixel: &[T], opaque: T) -> [T; 4] {
 
 /// What the first of cICP, iCCP, sRGB, and gAMA with cHRM states (PNG, third edition, section 4.3).
 fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, translucid_scene::SceneError> {
-    if let Some(points) = info.coding_independent_code_points {
-        return match coded(points) {
-            Ok(encoding) => Ok(Some(Stated::encoding(encoding))),
+    let points = info.coding_independent_code_points;
+    // Both unspecified: as if it were not there
+    if let Some(points) = points.filter(|points| [points.color_primaries, points.transfer_function] != [2; 2])
+    {
+        return match coded(points, info) {
+            Ok(stated) => Ok(Some(stated)),
             Err(what) => Err(source
                 .error(format!("the PNG's colors are {what}, which cannot be read"))
                 .with_help("save it as a PNG with an ICC profile, or as linear OpenEXR")),
@@ -68,41 +72,49 @@ fn stated(source: &ImageBytes<'_>, info: &Info<'_>) -> Result<Option<Stated>, tr
     if info.srgb.is_some() {
         return Ok(Some(Stated::encoding(Encoding::new("sRGB", Curve::Srgb, REC_709))));
     }
-    let primaries = info.chrm_chunk.map(|chunk| {
-        let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
-        Primaries([chunk.red, chunk.green, chunk.blue, chunk.white].map(point))
-    });
-    let exponent = info.gama_chunk.map(|gamma| f64::from(gamma.into_value()));
-    if primaries.is_none() && exponent.is_none() {
+    if info.chrm_chunk.is_none() && info.gama_chunk.is_none() {
         return Ok(None);
     }
-    let curve = match exponent {
-        Some(exponent) if exponent <= 0.0 => {
-            return Ok(Some(Stated::Unknown(format!("its gAMA is {exponent}"))));
-        }
+    let both = gamma(info).and_then(|curve| Ok((curve, chromaticities(info)?)));
+    Ok(Some(match both {
+        Ok((curve, primaries)) => Stated::encoding(Encoding::new("gAMA and cHRM", curve, primaries)),
+        Err(words) => Stated::Unknown(words),
+    }))
+}
+
+/// The curve of gAMA, that of sRGB if there is none.
+fn gamma(info: &Info<'_>) -> Result<Curve, String> {
+    Ok(match info.gama_chunk.map(|gamma| f64::from(gamma.into_value())) {
+        Some(exponent) if exponent <= 0.0 => return Err(format!("its gAMA is {exponent}")),
         Some(1.0) => Curve::Linear,
         // Who writes the nearest exponent to sRGB means sRGB, as libpng and browsers take it
         Some(exponent) if (exponent - 0.45455).abs() > 1e-3 => Curve::Power(exponent.recip()),
         _ => Curve::Srgb,
-    };
-    let primaries = primaries.unwrap_or(REC_709);
-    if !primaries.to_rec_709().is_finite() {
-        return Ok(Some(Stated::Unknown("its cHRM are no primaries".into())));
-    }
-    Ok(Some(Stated::encoding(Encoding::new("gAMA and cHRM", curve, primaries))))
+    })
 }
 
-/// Code points of ITU-T H.273, or what they stand for where it cannot be read.
-fn coded(points: CodingIndependentCodePoints) -> Result<Encoding, String> {
+/// The primaries of cHRM, those of Rec. 709 if there is none.
+fn chromaticities(info: &Info<'_>) -> Result<Primaries, String> {
+    let Some(chunk) = info.chrm_chunk else { return Ok(REC_709) };
+    let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
+    let primaries = Primaries([chunk.red, chunk.green, chunk.blue, chunk.white].map(point));
+    let is_usable = primaries.to_rec_709().is_finite();
+    is_usable.then_some(primaries).ok_or_else(|| String::from("its cHRM are no primaries"))
+}
+
+/// Code points of ITU-T H.273, or what they stand for where it cannot be read; gAMA and cHRM count for what is unspecified.
+fn coded(points: CodingIndependentCodePoints, info: &Info<'_>) -> Result<Stated, String> {
     let CodingIndependentCodePoints { color_primaries, transfer_function, matrix_coefficients, .. } = points;
     let (primaries, name) = match color_primaries {
         1 => (REC_709, "Rec. 709"),
+        2 => (chromaticities(info)?, "primaries of cHRM"),
         9 => (REC_2020, "Rec. 2020"),
         11 => (Primaries([[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], [0.314, 0.351]]), "DCI-P3"),
         12 => (DISPLAY_P3, "Display P3"),
         other => return Err(format!("of the primaries {other} of cICP")),
     };
     let (curve, curve_name) = match transfer_function {
+        2 => (gamma(info)?, "the curve of gAMA"),
         1 | 6 | 14 | 15 => (Curve::Rec709, "the curve of Rec. 709"),
         4 => (Curve::Power(2.2), "gamma 2.2"),
         5 => (Curve::Power(2.8), "gamma 2.8"),
@@ -115,7 +127,15 @@ fn coded(points: CodingIndependentCodePoints) -> Result<Encoding, String> {
     if matrix_coefficients != 0 || !points.is_video_full_range_image {
         return Err("of a video's narrow range or matrix".into());
     }
-    Ok(Encoding::new(format!("{name}, {curve_name}"), curve, primaries))
+    let encoding = Encoding::new(format!("{name}, {curve_name}"), curve, primaries);
+    let open = match (color_primaries, transfer_function) {
+        (2, _) if info.chrm_chunk.is_some() => "primaries open: those of its cHRM count",
+        (2, _) => "primaries open: they are taken as those of Rec. 709",
+        (_, 2) if info.gama_chunk.is_some() => "curve open: that of its gAMA counts",
+        (_, 2) => "curve open: it is taken as that of sRGB",
+        _ => return Ok(Stated::encoding(encoding)),
+    };
+    Ok(Stated::Partly(Box::new(encoding), format!("its cICP leaves the {open}")))
 }
 
 /// A small valid file.
@@ -134,7 +154,7 @@ pub(super) fn example() -> Vec<u8> {
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Pixels, Place};
 
     use png::ColorType;
 
@@ -155,7 +175,7 @@ mod tests {
         bytes
     }
 
-    fn decoded(bytes: &[u8], color_space: ColorSpace) -> Result<Image, SceneError> {
+    fn decoded(bytes: &[u8], color_space: ColorSpace) -> Result<Image> {
         decode_image(&Place::file(Path::new("a.png")), bytes, color_space, &mut Vec::new())
     }
 

@@ -7,12 +7,13 @@
 //! A reader of our own, since files with any of the eight orientations, flat pixels and old runs are read, runs must fit
 //! their line, and a mantissa stands for the middle of its interval.
 
-use translucid_scene::SceneError;
+use translucid_scene::{SceneError, Warning};
 
 use super::encoding::{Curve, Encoding, Samples};
 use super::file_bytes::ImageBytes;
 use super::{Decoded, Picture, Stated};
 use crate::primaries::Primaries;
+use crate::result::Result;
 
 /// Three mantissas and the exponent.
 type Rgbe = [u8; 4];
@@ -20,10 +21,18 @@ type Rgbe = [u8; 4];
 /// Widths for which a scan line may be packed by the new scheme.
 const PACKABLE: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
-/// Decodes all eight orientations; the values are those that were stored, undivided by EXPOSURE.
-pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
+/// Decodes all eight orientations, to radiances: stored values over all EXPOSURE and COLORCORR (Radiance, *File formats*).
+pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Decoded {
     let mut reader = Reader { source, position: 0 };
-    let primaries = reader.header()?;
+    let Header { primaries, exposure } = reader.header(warnings)?;
+    if exposure != [1.0; 3] {
+        // Most other programs pass over them
+        let factor =
+            if exposure == [exposure[0]; 3] { format!("{}", exposure[0]) } else { format!("{exposure:?}") };
+        let message =
+            format!("its values are divided by {factor}, the EXPOSURE or COLORCORR that its header states");
+        warnings.push(Warning { message, place: Some(source.place.clone()) });
+    }
     let layout = reader.layout()?;
     source.check_size(layout.line_length, layout.lines)?;
     let [width, height] = if layout.by_columns {
@@ -37,7 +46,7 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
         reader.line(&mut line, layout.line_length, number)?;
         for (i, &pixel) in line.iter().enumerate() {
             let [x, y] = layout.place(number, i);
-            pixels[y * width + x] = float_from_rgbe(pixel);
+            pixels[y * width + x] = float_from_rgbe(pixel, exposure);
         }
     }
     let encoding = |primaries| Stated::encoding(Encoding::new("PRIMARIES", Curve::Linear, primaries));
@@ -45,13 +54,14 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     Ok(Picture { stated: primaries.map(encoding), ..picture })
 }
 
-/// Radiance's convention: the mantissa's middle, 0 for exponent 0.
-fn float_from_rgbe([r, g, b, e]: Rgbe) -> [f32; 4] {
+/// Radiance's convention: the mantissa's middle, 0 for exponent 0, over the exposure.
+fn float_from_rgbe([r, g, b, e]: Rgbe, exposure: [f64; 3]) -> [f32; 4] {
     if e == 0 {
         return [0.0, 0.0, 0.0, 1.0];
     }
     let scale = 2_f64.powi(i32::from(e) - 136);
-    let [r, g, b] = [r, g, b].map(|mantissa| ((f64::from(mantissa) + 0.5) * scale) as f32);
+    let light = |mantissa: u8, exposure: f64| ((f64::from(mantissa) + 0.5) * scale / exposure) as f32;
+    let [r, g, b] = [light(r, exposure[0]), light(g, exposure[1]), light(b, exposure[2])];
     [r, g, b, 1.0]
 }
 
@@ -76,6 +86,13 @@ impl Layout {
     }
 }
 
+/// The statements of a header.
+struct Header {
+    primaries: Option<Primaries>,
+    /// Product of all factors that were applied to the radiance, a channel each.
+    exposure: [f64; 3],
+}
+
 struct Reader<'a> {
     source: &'a ImageBytes<'a>,
     position: usize,
@@ -87,21 +104,38 @@ impl Reader<'_> {
     }
 
     /// The text up to the next line feed.
-    fn text_line(&mut self) -> Result<String, SceneError> {
+    fn text_line(&mut self) -> Result<String> {
         let rest = &self.source.bytes[self.position..];
         let length =
             rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| self.error("the header has no end"))?;
         self.position += length + 1;
-        Ok(String::from_utf8_lossy(&rest[..length]).trim().to_owned())
+        Ok(String::from_utf8_lossy(&rest[..length]).trim_end().to_owned())
     }
 
-    /// Reads up to the empty line, and returns the primaries if it names them.
-    fn header(&mut self) -> Result<Option<Primaries>, SceneError> {
-        let mut primaries = None;
+    /// Reads up to the empty line. Indented lines are those of pictures that this one was made from.
+    fn header(&mut self, warnings: &mut Vec<Warning>) -> Result<Header> {
+        let (mut primaries, mut exposure) = (None, [1.0; 3]);
         loop {
             let line = self.text_line()?;
             if line.is_empty() {
-                return Ok(primaries);
+                return Ok(Header { primaries, exposure });
+            }
+            let factors = line.strip_prefix("EXPOSURE=").map(|factor| vec![factor.trim(); 3]);
+            let factors =
+                factors.or_else(|| Some(line.strip_prefix("COLORCORR=")?.split_whitespace().collect()));
+            if let Some(factors) = factors {
+                let number = |word: &&str| word.parse().ok().filter(|f: &f64| (1e-30..1e30).contains(f));
+                let factors: Option<Vec<f64>> = factors.iter().map(number).collect();
+                let product = factors.and_then(|factors| <[f64; 3]>::try_from(factors).ok());
+                let product = product.map(|[r, g, b]| [exposure[0] * r, exposure[1] * g, exposure[2] * b]);
+                match product.filter(|product| product.iter().all(|f| (1e-30..1e30).contains(f))) {
+                    Some(product) => exposure = product,
+                    None => {
+                        let message =
+                            format!("\"{line}\" of its header is passed over: it states no factor above 0");
+                        warnings.push(Warning { message, place: Some(self.source.place.clone()) });
+                    }
+                }
             }
             if let Some(numbers) = line.strip_prefix("PRIMARIES=") {
                 let words: Vec<f64> =
@@ -128,7 +162,7 @@ impl Reader<'_> {
     }
 
     /// Parses the resolution line, "-Y height +X width" for the usual orientation.
-    fn layout(&mut self) -> Result<Layout, SceneError> {
+    fn layout(&mut self) -> Result<Layout> {
         let line = self.text_line()?;
         let words: Vec<&str> = line.split_whitespace().collect();
         let axis = |word: &str| match word {
@@ -157,7 +191,7 @@ impl Reader<'_> {
         })
     }
 
-    fn take<const N: usize>(&mut self, line: usize) -> Result<[u8; N], SceneError> {
+    fn take<const N: usize>(&mut self, line: usize) -> Result<[u8; N]> {
         let bytes = self.source.bytes.get(self.position..).and_then(|rest| rest.first_chunk::<N>());
         let bytes = *bytes.ok_or_else(|| self.error(format!("the data ends in scan line {line}")))?;
         self.position += N;
@@ -165,7 +199,7 @@ impl Reader<'_> {
     }
 
     /// Reads one scan line, of either packing.
-    fn line(&mut self, pixels: &mut Vec<Rgbe>, length: usize, line: usize) -> Result<(), SceneError> {
+    fn line(&mut self, pixels: &mut Vec<Rgbe>, length: usize, line: usize) -> Result<()> {
         pixels.clear();
         let first: Rgbe = self.take(line)?;
         let announced = usize::from(first[2]) << 8 | usize::from(first[3]);
@@ -183,7 +217,7 @@ impl Reader<'_> {
     }
 
     /// The new scheme: a count above 128 announces a run, else as many values.
-    fn packed_channel(&mut self, pixels: &mut [Rgbe], channel: usize, line: usize) -> Result<(), SceneError> {
+    fn packed_channel(&mut self, pixels: &mut [Rgbe], channel: usize, line: usize) -> Result<()> {
         let mut filled = 0;
         while filled < pixels.len() {
             let [code] = self.take(line)?;
@@ -207,7 +241,7 @@ impl Reader<'_> {
 
     /// The old scheme: (1, 1, 1, n) repeats the last pixel n times; successive ones are digits of a
     /// number to the base 256, the lowest first.
-    fn old_line(&mut self, pixels: &mut Vec<Rgbe>, length: usize, line: usize) -> Result<(), SceneError> {
+    fn old_line(&mut self, pixels: &mut Vec<Rgbe>, length: usize, line: usize) -> Result<()> {
         let mut shift = 0;
         while pixels.len() < length {
             let pixel: Rgbe = self.take(line)?;
@@ -245,7 +279,7 @@ mod tests {
     use super::*;
     use crate::decode_image;
 
-    fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
+    fn decoded(bytes: &[u8]) -> Result<Image> {
         decode_image(&Place::file(Path::new("a.hdr")), bytes, ColorSpace::Srgb, &mut Vec::new())
     }
 
@@ -271,6 +305,32 @@ mod tests {
         let plain = file("-Y 1 +X 1", &pixels);
         let stated = [b"#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n", &plain["#?RADIANCE\n".len()..]].concat();
         assert_eq!(decoded(&stated).unwrap().texel(0, 0), decoded(&plain).unwrap().texel(0, 0));
+    }
+
+    /// Radiance, *File formats*: the original is the stored value over the product of all factors. Indented lines are about
+    /// pictures that this one was made from.
+    #[test]
+    fn radiance_divides_by_all_that_was_applied() {
+        let read = |lines: &str| {
+            let plain = file("-Y 1 +X 1", &pixel(5));
+            let bytes = [b"#?RADIANCE\n", lines.as_bytes(), &plain["#?RADIANCE\n".len()..]].concat();
+            let mut warnings = Vec::new();
+            let place = Place::file(Path::new("a.hdr"));
+            let image = decode_image(&place, &bytes, ColorSpace::Srgb, &mut warnings).unwrap();
+            (image.texel(0, 0), warnings.iter().map(ToString::to_string).collect::<String>())
+        };
+        for (lines, divided, part) in [
+            ("EXPOSURE=2.0\n", [2.75, 5.25, 7.75, 1.0], "divided by 2,"),
+            ("EXPOSURE= 4\npfilt -1\nEXPOSURE=5.000000e-01\n", [2.75, 5.25, 7.75, 1.0], "divided by 2,"),
+            ("COLORCORR=1 2 0.5\nEXPOSURE=2\n", [2.75, 2.625, 15.5, 1.0], "divided by [2.0, 4.0, 1.0],"),
+            ("\tEXPOSURE=2\nEXPOSURE=1.0\n", [5.5, 10.5, 15.5, 1.0], ""),
+            ("EXPOSURE=0\n", [5.5, 10.5, 15.5, 1.0], "\"EXPOSURE=0\" of its header is passed over"),
+            ("COLORCORR=1 2\n", [5.5, 10.5, 15.5, 1.0], "\"COLORCORR=1 2\" of its header is passed over"),
+        ] {
+            let (texel, warnings) = read(lines);
+            assert_eq!(texel, divided, "{lines}");
+            assert!(warnings.contains(part) && part.is_empty() == warnings.is_empty(), "{lines}: {warnings}");
+        }
     }
 
     #[test]

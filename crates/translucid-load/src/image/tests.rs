@@ -1,8 +1,9 @@
 use translucid_testing::mutants;
 
 use super::*;
+use crate::result::Result;
 
-fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
+fn decoded(bytes: &[u8]) -> Result<Image> {
     decode_image(&Place::file(Path::new("a.png")), bytes, ColorSpace::Srgb, &mut Vec::new())
 }
 
@@ -126,7 +127,7 @@ fn exif(orientation: u8, color_space: u16, interoperability: Option<&[u8; 3]>) -
     .concat()
 }
 
-fn photograph(bytes: &[u8], color_space: ColorSpace) -> Result<(Image, Vec<String>), SceneError> {
+fn photograph(bytes: &[u8], color_space: ColorSpace) -> Result<(Image, Vec<String>)> {
     let mut warnings = Vec::new();
     let place = Place::file(Path::new("a.png"));
     let kind = ImageKind::Color(color_space);
@@ -242,6 +243,26 @@ fn chunks_of_png_count_in_their_order() {
         (png_with_chunk(b"sRGB", &[0]), [[200, 100, 50], [90, 140, 120], [128; 3]]),
     ] {
         assert_codes(&photograph(&file, ColorSpace::Srgb).unwrap().0, &expected, "PNG");
+    }
+    // Unspecified is what the other chunks say, or else sRGB: ffmpeg's files of OpenEXR
+    let with_gamma = |cicp: [u8; 4], gamma: u32| {
+        let cicp = png_with_chunk(b"cICP", &cicp);
+        let gamma = png_with_chunk(b"gAMA", &gamma.to_be_bytes());
+        [&cicp[..49], &gamma[33..49], &cicp[49..]].concat()
+    };
+    for (file, expected, part) in [
+        (
+            with_gamma([2, 8, 0, 1], 100_000),
+            [[229, 168, 122]],
+            "primaries open: they are taken as those of Rec. 709",
+        ),
+        (with_gamma([12, 2, 0, 1], 45_455), [[215, 93, 31]], "curve open: that of its gAMA counts"),
+        (png_with_chunk(b"cICP", &[1, 2, 0, 1]), [[200, 100, 50]], "curve open: it is taken as that of sRGB"),
+        (with_gamma([2, 2, 0, 1], 100_000), [[229, 168, 122]], ""),
+    ] {
+        let (image, warnings) = photograph(&file, ColorSpace::Srgb).unwrap();
+        assert_codes(&image, &expected, part);
+        assert!(part.is_empty() || warnings[0].contains(part), "{warnings:?}");
     }
     let p3 = [31_270_u32, 32_900, 68_000, 32_000, 26_500, 69_000, 15_000, 6_000].map(u32::to_be_bytes);
     let file = png_with_chunk(b"cHRM", &p3.concat());

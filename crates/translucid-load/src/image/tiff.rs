@@ -7,7 +7,7 @@ use std::io::Cursor;
 
 use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use translucid_scene::{SceneError, Warning};
+use translucid_scene::Warning;
 
 use super::encoding::{Curve, Encoding, Samples};
 use super::file_bytes::ImageBytes;
@@ -16,6 +16,7 @@ use super::png::rgba;
 use super::tags::{Directory, Exif, ExifColor, TagFile};
 use super::{Decoded, Picture, Stated};
 use crate::primaries::{ADOBE_RGB, Primaries};
+use crate::result::Result;
 use pages::Pages;
 
 /// Tags of TIFF 6.0.
@@ -194,7 +195,7 @@ fn read_planes(
     bytes: &[u8],
     size: [usize; 2],
     planes: usize,
-) -> Result<Vec<DecodingResult>, SceneError> {
+) -> Result<Vec<DecodingResult>> {
     let failed = |error: TiffError| match error {
         TiffError::UnsupportedError(what) => {
             let error = source.error(format!("is a TIFF of a kind that cannot be read: {what}"));
@@ -263,7 +264,7 @@ fn samples_of(
     samples: DecodingResult,
     page: &Directory<'_>,
     size: [usize; 2],
-) -> Result<Samples, SceneError> {
+) -> Result<Samples> {
     let samples = match samples {
         DecodingResult::U8(samples) if page.number(tag::PHOTOMETRIC) == Some(6) => {
             let pixels = pixels(&samples, page, size, 255);
@@ -379,12 +380,12 @@ mod tests {
     use std::path::Path;
 
     use tiff::encoder::colortype::{CMYK8, Gray16, Gray32Float, RGB8, RGBA16};
-    use translucid_scene::{ColorSpace, Image, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Place};
 
     use super::*;
     use crate::decode_image;
 
-    fn decoded(bytes: &[u8], color_space: ColorSpace) -> Result<Image, SceneError> {
+    fn decoded(bytes: &[u8], color_space: ColorSpace) -> Result<Image> {
         decode_image(&Place::file(Path::new("a.tif")), bytes, color_space, &mut Vec::new())
     }
 

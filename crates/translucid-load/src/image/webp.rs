@@ -31,10 +31,11 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError};
+    use translucid_scene::{ColorSpace, Image, Pixels, Place};
     use translucid_testing::mutants;
 
     use crate::decode_image;
+    use crate::result::Result;
 
     /// Two pixels without loss, written by Pillow: (200, 100, 50, 255) and (20, 40, 220, 128).
     const PIXELS: &[u8] = &[
@@ -42,7 +43,7 @@ mod tests {
         20, 158, 83, 208, 222, 138, 251, 127, 128, 193, 131, 140, 232, 127, 0,
     ];
 
-    fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
+    fn decoded(bytes: &[u8]) -> Result<Image> {
         decode_image(&Place::file(Path::new("a.webp")), bytes, ColorSpace::Srgb, &mut Vec::new())
     }
 

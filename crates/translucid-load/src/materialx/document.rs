@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::result::Result;
+
 use roxmltree::{Document, Node, NodeId};
 use translucid_scene::{Place, SceneError, Warning};
 
@@ -91,12 +93,7 @@ impl<'d> Source<'d> {
     ///
     /// # Errors
     /// Several have the name.
-    pub(super) fn child(
-        &self,
-        scope: Node<'d, 'd>,
-        kind: Kind,
-        name: &str,
-    ) -> Result<Option<Node<'d, 'd>>, SceneError> {
+    pub(super) fn child(&self, scope: Node<'d, 'd>, kind: Kind, name: &str) -> Result<Option<Node<'d, 'd>>> {
         let mut scopes = self.scopes.borrow_mut();
         let names = scopes.entry(scope.id()).or_insert_with(|| names_in(scope));
         match names.get(&(kind, name)) {
@@ -119,7 +116,7 @@ impl<'d> Source<'d> {
         scope: Node<'d, 'd>,
         kind: Kind,
         name: &str,
-    ) -> Result<Node<'d, 'd>, SceneError> {
+    ) -> Result<Node<'d, 'd>> {
         self.child(scope, kind, name)?.ok_or_else(|| {
             let what = match kind {
                 Kind::Input => "input",

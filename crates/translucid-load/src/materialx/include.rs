@@ -8,6 +8,7 @@ use translucid_scene::{Place, SceneError};
 use super::document::{MOST_NODES, shown};
 use super::model::materials;
 use crate::file::read_file;
+use crate::result::Result;
 
 /// Most documents that are looked into.
 const MOST: usize = 64;
@@ -22,7 +23,7 @@ struct Included {
 ///
 /// # Errors
 /// An included document cannot be read, none has the material, or several have one and there is no name.
-pub(super) fn home(bytes: &[u8], path: &Path, name: Option<&str>) -> Result<Option<PathBuf>, SceneError> {
+pub(super) fn home(bytes: &[u8], path: &Path, name: Option<&str>) -> Result<Option<PathBuf>> {
     // Most documents include none, and are not read twice for it
     if !std::str::from_utf8(bytes).is_ok_and(|text| text.contains("include")) {
         return Ok(None);
@@ -59,7 +60,7 @@ pub(super) fn home(bytes: &[u8], path: &Path, name: Option<&str>) -> Result<Opti
 
 impl Included {
     /// Adds documents that one includes, and those that they include.
-    fn add(&mut self, links: Vec<String>, path: &Path) -> Result<(), SceneError> {
+    fn add(&mut self, links: Vec<String>, path: &Path) -> Result<()> {
         let folder = path.parent().unwrap_or(Path::new(""));
         for link in links {
             let file = folder.join(link.replace('\\', "/"));

@@ -20,10 +20,11 @@ use translucid_scene::description::FileRequest;
 use translucid_scene::{ImageKind, Material, Place, SceneError, Unit, Warning};
 
 use self::document::{Kind, MOST_NODES, Source, clipped, shown, title};
-use self::graph::{Graph, scope_of};
+use self::graph::Graph;
 use self::model::{ShadingModel, materials};
 use self::shader::{LengthUnits, read_shader};
 use crate::file::read_file;
+use crate::result::Result;
 
 /// Most bytes of a document.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -44,7 +45,7 @@ pub(super) fn load_materialx(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>)> {
     let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     if length > LARGEST_FILE {
         let message = format!("the document has {length} bytes, but at most {LARGEST_FILE} are allowed");
@@ -84,7 +85,7 @@ pub fn parse_materialx(
     name: Option<&str>,
     unit: Unit,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<PathBuf>), SceneError> {
+) -> Result<(Material, Vec<PathBuf>)> {
     let choice = MaterialChoice { name, length_unit: None, unit };
     let (material, images) = read(bytes, path, choice, warnings)?;
     Ok((material, images.into_iter().map(|image| image.path).collect()))
@@ -95,7 +96,7 @@ fn read(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>)> {
     if let Some(other) = include::home(bytes, path, choice.name)? {
         return read_document(&read_file(&other)?, &other, choice, warnings);
     }
@@ -107,7 +108,7 @@ fn read_document(
     path: &Path,
     choice: MaterialChoice<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>)> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let place = Place::part(path, format!("byte {}", error.valid_up_to()));
         SceneError::at(place, "a MaterialX document must be UTF-8 text, but this is not")
@@ -141,7 +142,7 @@ fn read_material<'d>(
     source: &Source<'d>,
     path: &Path,
     choice: MaterialChoice<'_>,
-) -> Result<(Material, Vec<FileRequest<ImageKind>>), SceneError> {
+) -> Result<(Material, Vec<FileRequest<ImageKind>>)> {
     let root = source.document.root_element();
     if !root.has_tag_name("materialx") {
         let message = format!("the document is a {}, but must be a materialx", shown(root.tag_name().name()));
@@ -163,7 +164,7 @@ fn read_material<'d>(
     let units = LengthUnits { of_scene: choice.unit, stated: choice.length_unit };
     let mut material = read_shader(&mut graph, shader, model, units)?;
     material.name = chosen.attribute("name").unwrap_or_default().to_owned();
-    let images = images_in_use(&mut material, graph.images);
+    let images = images_in_use(&mut material, graph.files.images);
     Ok((material, images))
 }
 
@@ -186,11 +187,7 @@ fn images_in_use(
 }
 
 /// The material of a name, or the only one; where there are no materials, a shader.
-fn choose<'d>(
-    source: &Source<'d>,
-    root: Node<'d, 'd>,
-    name: Option<&str>,
-) -> Result<Node<'d, 'd>, SceneError> {
+fn choose<'d>(source: &Source<'d>, root: Node<'d, 'd>, name: Option<&str>) -> Result<Node<'d, 'd>> {
     let all = materials(root);
     let names = || all.iter().filter_map(|material| material.attribute("name"));
     let list = || names().take(16).map(shown).collect::<Vec<_>>().join(", ");
@@ -223,11 +220,7 @@ fn choose<'d>(
 }
 
 /// The shader of a material, which may be one itself.
-fn shader_of<'d>(
-    source: &Source<'d>,
-    graph: &Graph<'_, 'd>,
-    material: Node<'d, 'd>,
-) -> Result<Node<'d, 'd>, SceneError> {
+fn shader_of<'d>(source: &Source<'d>, graph: &Graph<'_, 'd>, material: Node<'d, 'd>) -> Result<Node<'d, 'd>> {
     if !material.has_tag_name("surfacematerial") {
         return Ok(material);
     }
@@ -236,10 +229,10 @@ fn shader_of<'d>(
         source.warn(input, format!("{} of {} is left out", title(input), title(material)));
     }
     let shader = match source.child(material, Kind::Input, "surfaceshader")? {
-        Some(input) => graph.node_behind(input, scope_of(material))?,
+        Some(input) => graph.node_behind(input)?,
         None => None,
     };
-    shader.map(|(shader, _)| shader).ok_or_else(|| {
+    shader.ok_or_else(|| {
         source.error(material, format!("{} has no surfaceshader that is connected", title(material)))
     })
 }

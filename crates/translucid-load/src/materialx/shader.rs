@@ -4,11 +4,12 @@ use glam::Vec3;
 use roxmltree::Node;
 use translucid_profile::nearest;
 use translucid_scene::description::SceneSlot;
-use translucid_scene::{ColorInput, Interval, Material, NormalMap, ScalarInput, SceneError, Unit};
+use translucid_scene::{ColorInput, Interval, Material, NormalMap, ScalarInput, Unit};
 
 use super::document::{Kind, shown, title};
-use super::graph::{Graph, Signal, scope_of};
+use super::graph::{Graph, Signal};
 use super::model::{ShadingModel, Together, numbers};
+use crate::result::Result;
 
 /// Luminance of a radiance of 1 W/(sr m²) \[cd/m²\], as for the lamps of glTF files.
 const LUMENS_PER_WATT: f32 = 683.0;
@@ -39,7 +40,7 @@ pub(super) fn read_shader<'d>(
     shader: Node<'d, 'd>,
     model: &ShadingModel,
     units: LengthUnits,
-) -> Result<Material, SceneError> {
+) -> Result<Material> {
     let mut reader = Reader {
         material: (model.defaults)(shader),
         together: Together::new(),
@@ -76,7 +77,7 @@ struct Reader<'m, 'd> {
 }
 
 impl<'d> Reader<'_, 'd> {
-    fn read(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>, name: &str) -> Result<(), SceneError> {
+    fn read(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>, name: &str) -> Result<()> {
         if let Some(&name) = self.model.together.iter().find(|other| **other == name) {
             self.together.extend(graph.read(self.shader, input)?.map(|signal| (name, signal)));
             return Ok(());
@@ -132,7 +133,7 @@ impl<'d> Reader<'_, 'd> {
         input: Node<'d, 'd>,
         name: &'static str,
         mut signal: Signal,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let Some(parameter) = numbers().find(|parameter| parameter.key() == name) else { return Ok(()) };
         if name == "geometry_opacity" && signal.channels == 3 {
             signal = red_alone(graph, input, signal);
@@ -174,7 +175,7 @@ impl<'d> Reader<'_, 'd> {
                 *slot = within(number, range);
             }
             (SceneSlot::Number(..) | SceneSlot::Length(..), Some(_)) => {
-                graph.give_up(input, "it may not vary over the surface here, but has an image");
+                graph.give_up(input, "it may not vary over the surface here, but has an image")?;
             }
             (SceneSlot::Scalar(slot, range), None) => *slot = ScalarInput::constant(within(number, range)),
             (SceneSlot::Scalar(slot, _), Some(texture)) => {
@@ -193,21 +194,20 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Reads a map of normals behind a node normalmap.
-    fn read_normal(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>) -> Result<(), SceneError> {
+    fn read_normal(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>) -> Result<()> {
         graph.reading = format!("{}, {}", title(self.shader), input.attribute("name").unwrap_or_default());
-        let Some((node, scope)) = graph.node_behind(input, scope_of(self.shader))? else { return Ok(()) };
+        let Some(node) = graph.node_behind(input)? else { return Ok(()) };
         if node.tag_name().name() == "gltf_normalmap" {
-            let image = graph.gltf_image(node, scope, "vector3")?;
+            let image = graph.gltf_image(node, "vector3")?;
             let texture = image.and_then(|image| image.texture);
             self.material.geometry_normal = texture.map(|texture| NormalMap { texture, scale: 1.0 });
             return Ok(());
         }
         if node.tag_name().name() != "normalmap" {
-            graph.give_up(node, &format!("{} is no normalmap", title(node)));
-            return Ok(());
+            return graph.give_up(node, &format!("{} is no normalmap", title(node))).map(drop);
         }
-        let scale = graph.input(node, scope, "scale")?;
-        match (graph.input(node, scope, "in")?, scale) {
+        let scale = graph.input(node, "scale")?;
+        match (graph.input(node, "in")?, scale) {
             (Some(Signal { texture: Some(texture), .. }), None) => {
                 self.material.geometry_normal = Some(NormalMap { texture, scale: 1.0 });
             }
@@ -223,7 +223,7 @@ impl<'d> Reader<'_, 'd> {
                 }
                 self.material.geometry_normal = Some(NormalMap { texture, scale });
             }
-            _ => graph.give_up(node, &format!("{} is not an image times a constant", title(node))),
+            _ => drop(graph.give_up(node, &format!("{} is not an image times a constant", title(node)))?),
         }
         Ok(())
     }

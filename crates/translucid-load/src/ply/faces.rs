@@ -1,7 +1,7 @@
 //! The faces of a PLY mesh, and what their corners have of their own.
 
 use glam::{Vec2, Vec3};
-use translucid_scene::{Triangle, linear_from_srgb};
+use translucid_scene::Triangle;
 
 use super::header::{Element, Kind, Property};
 use super::values::{Fault, Values};
@@ -14,7 +14,7 @@ pub(super) struct Faces {
     pub(super) triangles: Vec<Triangle>,
     /// For each triangle, as it is in the file, the texture coordinates of its corners, or empty.
     pub(super) uvs: Vec<[Vec2; 3]>,
-    /// For each triangle its linear color, or empty.
+    /// For each triangle its color, or empty.
     pub(super) colors: Vec<Vec3>,
     /// Pictures other than the first are named.
     pub(super) has_other_pictures: bool,
@@ -38,7 +38,7 @@ pub(super) struct FaceColumns {
     columns: Vec<(Kind, Role)>,
     has_uv: bool,
     has_color: bool,
-    color_scale: Option<f64>,
+    color_scale: f64,
     is_strip: bool,
 }
 
@@ -55,7 +55,7 @@ impl FaceColumns {
         Ok(Self {
             has_uv: has(Role::TextureCoordinates),
             has_color: (0..3).all(|channel| has(Role::Color(channel))),
-            color_scale: red.and_then(|&(kind, _)| color_scale(kind)),
+            color_scale: red.map_or(1.0, |&(kind, _)| color_scale(kind)),
             is_strip: element.name == "tristrips",
             columns,
         })
@@ -89,11 +89,7 @@ impl FaceColumns {
                     faces.has_other_pictures |= values.value(scalar)? > 0.0;
                 }
                 (Kind::Scalar(scalar), Role::Color(channel)) => {
-                    let value = values.value(scalar)?;
-                    color[channel] = match self.color_scale {
-                        Some(scale) => linear_from_srgb((value / scale).clamp(0.0, 1.0) as f32),
-                        None => value as f32,
-                    };
+                    color[channel] = (values.value(scalar)? / self.color_scale) as f32;
                 }
                 (kind, _) => skip(values, kind)?,
             }

@@ -6,6 +6,7 @@ use std::path::Path;
 use translucid_scene::{Place, SceneError};
 
 use crate::number::NumberType;
+use crate::result::Result;
 
 /// How the values are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +78,7 @@ pub(super) struct Header {
 
 impl Header {
     /// Parses the header and checks its counts against the number of bytes that follow.
-    pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
+    pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
         let mut lines = Lines { bytes, length: 0, number: 0 };
         let mut header = Self {
             format: Format::Ascii,

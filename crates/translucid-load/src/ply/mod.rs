@@ -9,14 +9,15 @@ use std::path::Path;
 use faces::{FaceColumns, Faces, Scratch};
 use glam::{DVec3, Vec2, Vec3};
 use header::{Element, Format, Header, Kind};
-use translucid_scene::{Mesh, Place, SceneError, Warning, linear_from_srgb, repair_mesh};
+use translucid_scene::{Mesh, Place, SceneError, Warning, repair_mesh};
 use values::{Ascii, Binary, Fault, Values};
 
 use super::number::NumberType;
 use crate::creases::{SHARED_CREASE, Smoothing, corner_normals};
 use crate::file::read_file;
 use crate::origin::{Anchor, in_file_coordinates};
-use crate::vertex_colors::white_of;
+use crate::result::Result;
+use crate::vertex_colors::make_linear;
 use crate::weld::{Corner, NONE, Tables, Welder, distinct};
 use crate::winding::{orient, warn_of_turned};
 
@@ -26,8 +27,9 @@ use crate::winding::{orient, warn_of_turned};
 /// (texture_u, texture_v), (texture_s, texture_t), and red green blue; of element `face` the list
 /// `vertex_indices` or `vertex_index`, the list `texcoord` of its corners' texture coordinates, and red green blue;
 /// instead of faces the lists of strips of element `tristrips`; all in any of the format's types.
-/// Integer colors are sRGB, and so are floats from 0 to 255, known by a value above 2; other float colors are linear.
-/// Those of vertices count before those of faces.
+/// Colors are sRGB, floats too, from 0 to 1 or, known by a value above 2, from 0 to 255: three.js writes them so, and
+/// Blender reads them so.
+/// Colors of vertices count before those of faces, with a warning, unless all are white.
 /// Everything else is passed over.
 /// Polygons are cut into triangles; triangles of a closed body that wind the other way than the rest are turned, with a
 /// warning.
@@ -37,7 +39,7 @@ use crate::winding::{orient, warn_of_turned};
 /// # Errors
 /// The file cannot be read, breaks the format (the message names line or byte, element and row), or has
 /// no usable triangle.
-pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh> {
     parse_ply(&read_file(path)?, path, warnings)
 }
 
@@ -45,7 +47,7 @@ pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneE
 ///
 /// # Errors
 /// As [`load_ply`].
-pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh> {
     read_ply(bytes, path, warnings).map(|file| in_file_coordinates(file.mesh, file.origin))
 }
 
@@ -59,11 +61,7 @@ pub(crate) struct PlyFile {
 }
 
 /// As [`parse_ply`], with all that is in the file.
-pub(crate) fn read_ply(
-    bytes: &[u8],
-    path: &Path,
-    warnings: &mut Vec<Warning>,
-) -> Result<PlyFile, SceneError> {
+pub(crate) fn read_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<PlyFile> {
     let header = Header::parse(bytes, path)?;
     let body = header.length;
     let (mut mesh, mut faces, anchor) = match header.format {
@@ -73,13 +71,12 @@ pub(crate) fn read_ply(
     }?;
     let place = Place::file(path);
     warn_of_lost(&faces, &place, warnings);
-    // Those of integers are from 0 to 1 by now
     for colors in [&mut mesh.colors, &mut faces.colors] {
-        let white = white_of(colors, &place, warnings);
-        if white > 1.0 {
-            let linear = |value: f32| linear_from_srgb((value / white).clamp(0.0, 1.0));
-            colors.iter_mut().for_each(|color| *color = color.map(linear));
-        }
+        make_linear(colors, &place, warnings);
+    }
+    if !mesh.colors.is_empty() && !faces.colors.is_empty() {
+        let message = "the colors of faces are left out beside those of vertices".into();
+        warnings.push(Warning { message, place: Some(place.clone()) });
     }
     mesh.triangles = match faces.uvs.is_empty() {
         true => std::mem::take(&mut faces.triangles),
@@ -159,11 +156,7 @@ fn with_corners(mesh: Mesh, faces: &Faces, place: &Place, warnings: &mut Vec<War
     Welder::new(&tables).weld(there.into_iter().map(|number| [0, 1, 2].map(|i| corner(number, i))))
 }
 
-fn read_mesh(
-    header: &Header,
-    mut values: impl Values,
-    path: &Path,
-) -> Result<(Mesh, Faces, Anchor), SceneError> {
+fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<(Mesh, Faces, Anchor)> {
     let absent = |message: &str| SceneError::at(Place::file(path), message);
     let has = |name: &str| header.elements.iter().any(|element| element.name == name);
     if !has("vertex") {
@@ -205,7 +198,7 @@ fn read_rows<V: Values>(
     element: &Element,
     path: &Path,
     mut read_row: impl FnMut(&mut V) -> Result<(), Fault>,
-) -> Result<(), SceneError> {
+) -> Result<()> {
     for row in 0..element.count {
         let read = values.begin_row().and_then(|()| read_row(values)).and_then(|()| values.end_row());
         read.map_err(|fault| values.error(path, fault, &format!("{} {row}", element.name)))?;
@@ -254,8 +247,8 @@ struct Columns {
     has_normal: bool,
     has_uv: bool,
     has_color: bool,
-    /// Factor and curve of integer colors.
-    color_scale: Option<f64>,
+    /// The value of a color that is 1.
+    color_scale: f64,
 }
 
 impl Columns {
@@ -271,7 +264,7 @@ impl Columns {
             return Err(format!("element \"vertex\" has no property \"{}\"", NAMES[missing][0]));
         }
         let red = columns.iter().find(|column| column.target == Some(COLOR));
-        let color_scale = red.and_then(|column| color_scale(column.kind));
+        let color_scale = red.map_or(1.0, |column| color_scale(column.kind));
         let [has_normal, has_uv, has_color] =
             [(NORMAL, UV), (UV, COLOR), (COLOR, NAMES.len())].map(|(first, end)| (first..end).all(has));
         Ok(Self { has_normal, has_uv, has_color, color_scale, columns })
@@ -300,12 +293,8 @@ impl Columns {
                     if target < NORMAL {
                         position[target] = value;
                     }
-                    row[target] = match self.color_scale {
-                        Some(scale) if target >= COLOR => {
-                            linear_from_srgb((value / scale).clamp(0.0, 1.0) as f32)
-                        }
-                        _ => value as f32,
-                    };
+                    let scale = if target >= COLOR { self.color_scale } else { 1.0 };
+                    row[target] = (value / scale) as f32;
                 }
                 (kind, _) => skip(values, kind)?,
             }
@@ -324,12 +313,12 @@ impl Columns {
     }
 }
 
-/// The value of integer colors that is 1; none for those that are linear.
-fn color_scale(kind: Kind) -> Option<f64> {
+/// The value of a color's channel that is 1.
+fn color_scale(kind: Kind) -> f64 {
     match kind {
-        Kind::Scalar(NumberType::F32 | NumberType::F64) => None,
-        Kind::Scalar(NumberType::U16 | NumberType::I16) => Some(65535.0),
-        _ => Some(255.0),
+        Kind::Scalar(NumberType::F32 | NumberType::F64) => 1.0,
+        Kind::Scalar(NumberType::U16 | NumberType::I16) => 65535.0,
+        _ => 255.0,
     }
 }
 
@@ -339,7 +328,7 @@ mod tests {
 
     use super::*;
 
-    fn parsed(bytes: &[u8]) -> Result<(Mesh, String), SceneError> {
+    fn parsed(bytes: &[u8]) -> Result<(Mesh, String)> {
         let mut warnings = Vec::new();
         let mesh = parse_ply(bytes, Path::new("a.ply"), &mut warnings)?;
         let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
@@ -431,13 +420,47 @@ mod tests {
         assert!(mesh.colors[0].distance(Vec3::new(1.0, 0.502_886, 0.0)) < 1e-5, "{}", mesh.colors[0]);
     }
 
+    /// three.js 0.187 writes 0.5 0.25 0.1, which are linear, so, with an exponent of 0.41666 in place of 1/2.4.
     #[test]
-    fn ply_takes_float_colors_as_linear() {
-        let vertex =
-            format!("{POSITION_LINES}property float red\nproperty float green\nproperty float blue\n");
-        let data = "0 0 0 1 .5 0\n1 0 0 1 .5 0\n1 1 0 1 .5 0\n0 1 0 1 .5 2\n3 0 1 2\n3 0 2 3\n";
-        let (mesh, _) = parsed(&file("ascii", &vertex, LIST_LINE, data.as_bytes())).unwrap();
-        assert_eq!(mesh.colors[3], Vec3::new(1.0, 0.5, 2.0));
+    fn ply_takes_float_colors_as_srgb() {
+        let floats = "property float red\nproperty float green\nproperty float blue\n";
+        let color = ".735360635 .537104203 .349196420";
+        let of = |has_vertices: bool, kind: &str| {
+            let lines = |first: &str, has: bool| format!("{first}{}", if has { floats } else { "" });
+            let [vertex, face] = [has_vertices, !has_vertices].map(|has| if has { color } else { "" });
+            let corners = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].map(|corner| format!("{corner} {vertex}\n"));
+            let data = format!("{}3 0 1 2 {face}\n3 0 2 3 {face}\n", corners.concat());
+            let vertices = lines(POSITION_LINES, has_vertices).replace("float", kind);
+            parsed(&file("ascii", &vertices, &lines(LIST_LINE, !has_vertices), data.as_bytes())).unwrap()
+        };
+        for (has_vertices, kind) in [(true, "float"), (true, "double"), (false, "float")] {
+            let (mesh, warnings) = of(has_vertices, kind);
+            assert_eq!(warnings, "");
+            assert!(
+                mesh.colors.iter().all(|c| c.distance(Vec3::new(0.5, 0.25, 0.1)) < 2e-5),
+                "{:?}",
+                mesh.colors
+            );
+        }
+    }
+
+    /// MeshLab writes white vertices beside colored faces.
+    #[test]
+    fn ply_shows_colors_of_faces_where_vertices_have_none() {
+        let bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+        let of = |vertex: &str, face: &str| {
+            let corners = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].map(|corner| format!("{corner} {vertex}\n"));
+            let data = format!("{}3 0 1 2 {face}\n3 0 2 3 {face}\n", corners.concat());
+            let [vertices, faces] = [POSITION_LINES, LIST_LINE].map(|line| format!("{line}{bytes}"));
+            let (mesh, warnings) = parsed(&file("ascii", &vertices, &faces, data.as_bytes())).unwrap();
+            (mesh.colors.first().copied(), mesh.colors.len(), warnings)
+        };
+        let [white, red, blue] = ["255 255 255", "255 0 0", "0 0 255"];
+        assert_eq!(of(white, red), (Some(Vec3::X), 4, String::new()));
+        assert_eq!(of(blue, white), (Some(Vec3::Z), 4, String::new()));
+        assert_eq!(of(white, white), (None, 0, String::new()));
+        let told = "a.ply: the colors of faces are left out beside those of vertices";
+        assert_eq!(of(blue, red), (Some(Vec3::Z), 4, told.into()));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::appearance::warn_of_darkened;
 use crate::extent::warn_of_extent;
-use crate::file::{is_file, read_file};
+use crate::file::{is_file, read_file, with_nearest};
 use crate::image::read_image;
 use crate::loading::Loading;
 use crate::mesh_file::{MeshFile, scale_lengths};
@@ -28,6 +28,7 @@ use crate::options::LoadOptions;
 use crate::orientation::bounds;
 use crate::origin::{origin_near, place_of_file};
 use crate::profile_table::read_profile_table;
+use crate::result::Result;
 use crate::shared_mesh::SharedMesh;
 use crate::stage::Stage;
 
@@ -43,7 +44,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// As [`parse`](Self::parse), or the file cannot be read, is not UTF-8, or has more than 16 MiB.
-    pub fn read(path: &Path) -> Result<Self, SceneError> {
+    pub fn read(path: &Path) -> Result<Self> {
         Ok(Self { file: Some(path.to_owned()), ..Self::parse(&read_text(path)?, path)? })
     }
 
@@ -53,7 +54,7 @@ impl SceneFile {
         overrides: &HashMap<usize, &Path>,
         options: &LoadOptions,
         loading: &mut Loading<'_>,
-    ) -> Result<Scene, SceneError> {
+    ) -> Result<Scene> {
         let camera = self.camera(options.camera.as_deref())?;
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
@@ -111,7 +112,7 @@ impl SceneFile {
     }
 }
 
-pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
+pub(super) fn read_text(path: &Path) -> Result<String> {
     let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     if length > LARGEST_FILE {
         let message = format!("the file has {length} bytes, but at most {LARGEST_FILE} are allowed");
@@ -127,20 +128,26 @@ pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
 /// Loads the files that are asked for.
 fn load_files<K, T>(
     requests: &[FileRequest<K>],
-    mut load: impl FnMut(&FileRequest<K>) -> Result<T, SceneError>,
-) -> Result<Vec<T>, SceneError> {
+    mut load: impl FnMut(&FileRequest<K>) -> Result<T>,
+) -> Result<Vec<T>> {
     let checked =
         |request: &FileRequest<K>| check_present(&request.path, &request.place).and_then(|()| load(request));
     requests.iter().map(checked).collect()
 }
 
 /// A missing file is the scene file's mistake, so the message points there.
-pub(super) fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
+pub(super) fn check_present(path: &Path, place: &Place) -> Result<()> {
+    check_present_or(path, place, None)
+}
+
+/// As [`check_present`], with advice for a file that is missing.
+pub(super) fn check_present_or(path: &Path, place: &Place, advice: Option<String>) -> Result<()> {
     if is_file(path) {
         return Ok(());
     }
     let found = if path.is_dir() { "is a folder, not a file" } else { "does not exist" };
-    Err(SceneError::at(place.clone(), format!("the file {} {found}", path.display())))
+    let error = SceneError::at(place.clone(), format!("the file {} {found}", path.display()));
+    Err(with_nearest(SceneError { help: advice, ..error }, path))
 }
 
 /// Objects that may exchange light under the surface.
@@ -165,13 +172,13 @@ pub(super) struct ReadyMesh {
 
 impl ReadyMesh {
     /// The shape of an entry with one place; none if it has a file.
-    fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
+    fn of_shape(entry: &ObjectEntry) -> Option<Result<Self>> {
         let mesh = raw_shape(entry)?;
         Some(mesh.and_then(|mesh| Self::new(entry, &entry.places[0].as_affine3a(), mesh)))
     }
 
     /// A mesh in a place, shared if it can be there.
-    fn of_shared(entry: &ObjectEntry, place: &Affine3A, shared: &SharedMesh) -> Result<Self, SceneError> {
+    fn of_shared(entry: &ObjectEntry, place: &Affine3A, shared: &SharedMesh) -> Result<Self> {
         match shared.placed(place) {
             Some(Object { mesh, world_from_local, .. }) => {
                 Ok(Self { mesh, world_from_local, triangles: 0, warnings: Vec::new() })
@@ -181,7 +188,7 @@ impl ReadyMesh {
     }
 
     /// A mesh in its own space.
-    fn movable(entry: &ObjectEntry, place: &Affine3A, mut mesh: Mesh) -> Result<Self, SceneError> {
+    fn movable(entry: &ObjectEntry, place: &Affine3A, mut mesh: Mesh) -> Result<Self> {
         let triangles = mesh.triangles.len();
         let mut warnings = Vec::new();
         repair_mesh(&mut mesh, &entry.place, &mut warnings)?;
@@ -194,7 +201,7 @@ impl ReadyMesh {
     }
 
     /// A mesh with its place baked into its vertices.
-    fn new(entry: &ObjectEntry, place: &Affine3A, mesh: Mesh) -> Result<Self, SceneError> {
+    fn new(entry: &ObjectEntry, place: &Affine3A, mesh: Mesh) -> Result<Self> {
         let triangles = mesh.triangles.len();
         let mut mesh = mesh.transformed(place);
         check_bounds(&mesh, &entry.place)?;
@@ -205,7 +212,7 @@ impl ReadyMesh {
 }
 
 /// The shape of an entry where it is made; none if that has a file.
-fn raw_shape(entry: &ObjectEntry) -> Option<Result<Mesh, SceneError>> {
+fn raw_shape(entry: &ObjectEntry) -> Option<Result<Mesh>> {
     let GeometryOrigin::Shape { name, parameters } = &entry.geometry else { return None };
     let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
     Some(build_shape(name, parameters).map_err(at_place))
@@ -314,8 +321,8 @@ impl SceneBuilder {
             self.scene.lights.truncate(lights);
             (self.scene.environment, self.scene.files) = (environment, files);
             (self.default_material, self.triangles) = (default_material, triangles);
-            self.files.images.retain(|(_, _, image)| *image < images);
-            self.files.tables.retain(|(_, table)| *table < tables);
+            self.files.images.retain(|_, image| *image < images);
+            self.files.tables.retain(|_, table| *table < tables);
             // What a file had of materials went into the scene
             self.models.retain(|_, loaded| loaded.first_material.is_none_or(|first| first < materials));
         }
@@ -362,7 +369,7 @@ impl SceneBuilder {
         place: usize,
         mesh: ReadyMesh,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let material = entry.material.unwrap_or_else(|| self.default_material());
         self.entries += 1;
         self.add_mesh(entry, mesh, (entry.name_at(&entry.name, place), material, 0), warnings)
@@ -374,7 +381,7 @@ impl SceneBuilder {
         entry: &ObjectEntry,
         shared: &SharedMesh,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         // One after the other: what has to be baked may be too much
         entry.places.iter().enumerate().try_for_each(|(number, place)| {
             let mesh = ReadyMesh::of_shared(entry, &place.as_affine3a(), shared)?;
@@ -388,7 +395,7 @@ impl SceneBuilder {
         entry: &ObjectEntry,
         mesh: Mesh,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         match &entry.places[..] {
             [place] if entry.is_movable => {
                 self.add_ready(entry, 0, ReadyMesh::movable(entry, &place.as_affine3a(), mesh)?, warnings)
@@ -402,11 +409,7 @@ impl SceneBuilder {
     }
 
     /// Adds an object with a shape, which is made once however many have it.
-    pub(super) fn add_shape(
-        &mut self,
-        entry: &ObjectEntry,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    pub(super) fn add_shape(&mut self, entry: &ObjectEntry, warnings: &mut Vec<Warning>) -> Result<()> {
         let uses = self.uses(entry, None);
         let Some(source) = self.source(entry, None) else { return Ok(()) };
         *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
@@ -433,12 +436,11 @@ impl SceneBuilder {
         entry: &ObjectEntry,
         replacement: Option<&Path>,
         loading: &mut Loading<'_>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
         let path = replacement.unwrap_or(path);
-        check_present(path, &entry.place).map_err(|error| {
-            error.with_help(format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name))
-        })?;
+        let advice = format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name);
+        check_present_or(path, &entry.place, Some(advice))?;
         let uses = self.uses(entry, replacement);
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = self.loaded(path, *unit, loading)?;
@@ -501,7 +503,7 @@ impl SceneBuilder {
         entries: &'a [ObjectEntry],
         replacement: impl Fn(usize) -> Option<&'a Path>,
         loading: &mut Loading<'_>,
-    ) -> Result<DVec3, SceneError> {
+    ) -> Result<DVec3> {
         for (index, entry) in entries.iter().enumerate() {
             let GeometryOrigin::File { path, unit } = &entry.geometry else { continue };
             let path = replacement(index).unwrap_or(path);
@@ -537,7 +539,7 @@ impl SceneBuilder {
         path: &Path,
         stated: Option<Unit>,
         loading: &mut Loading<'_>,
-    ) -> Result<LoadedMeshFile, SceneError> {
+    ) -> Result<LoadedMeshFile> {
         let unit = self.unit(path, stated);
         if let Some(loaded) = self.models.remove(&Source::File(path.to_owned(), unit.name())) {
             return Ok(loaded);
@@ -577,7 +579,7 @@ impl SceneBuilder {
         ReadyMesh { mesh, world_from_local, triangles, warnings: mut of_mesh }: ReadyMesh,
         (name, material, model_group): (String, usize, u32),
         warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         self.triangles += triangles;
         if self.triangles > Scene::MOST_TRIANGLES {
             let most = Scene::MOST_TRIANGLES;
@@ -640,7 +642,7 @@ pub(super) fn staged(mut scene: Scene, camera: Option<Camera>, options: &LoadOpt
 }
 
 /// A mesh out of bounds is refused here; the repair would cut it off.
-fn check_bounds(mesh: &Mesh, place: &Place) -> Result<(), SceneError> {
+fn check_bounds(mesh: &Mesh, place: &Place) -> Result<()> {
     let (low, high) = mesh.bounds();
     let (reach, range) = (low.abs().max(high.abs()).max_element(), Interval::COORDINATE);
     if range.contains(f64::from(reach)) {

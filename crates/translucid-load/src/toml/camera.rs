@@ -2,17 +2,18 @@
 
 use std::collections::HashSet;
 
+use translucid_scene::Camera;
 use translucid_scene::description::{FileList, Item};
-use translucid_scene::{Camera, SceneError};
 
 use super::claim_name;
 use crate::NamedCamera;
+use crate::result::Result;
 
 /// Most cameras of a scene file.
 const MOST_CAMERAS: usize = 65_536;
 
 /// The camera of `[camera]`, or those of each `[[camera]]`.
-pub(super) fn read_cameras(item: &Item<'_>) -> Result<Vec<NamedCamera>, SceneError> {
+pub(super) fn read_cameras(item: &Item<'_>) -> Result<Vec<NamedCamera>> {
     let tables = item.one_or_more_tables(MOST_CAMERAS)?;
     let is_one = tables.len() == 1;
     let keys = [vec!["name"], Camera::DESCRIPTION.keys()].concat();

@@ -4,26 +4,31 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use translucid_profile::convention::preset;
 use translucid_profile::nearest;
 use translucid_scene::description::{Item, Table, read_size};
-use translucid_scene::{Film, Place, Scene, SceneError, Unit, Warning, WholeInterval};
+use translucid_scene::{Film, Place, Scene, SceneError, Warning, WholeInterval};
 
 use super::SceneFile;
 use super::base::Base;
-use super::build::check_present;
+use super::build::{check_present, check_present_or};
+use super::mesh_base::MeshBase;
 use super::object::read_material_name;
 use crate::LoadOptions;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::{extension, stem};
 use crate::loading::Loading;
 use crate::model::{MESHES, is_mesh};
+use crate::result::Result;
 
 /// Keys of a scene file that extends another.
 pub(super) const KEYS: &[&str] = &[
     "extends",
     "preset",
     "unit",
+    "up",
+    "rotate",
+    "floor",
+    "view",
     "camera",
     "film",
     "integrator",
@@ -47,8 +52,10 @@ const LONGEST_CHAIN: usize = 16;
 pub(super) struct Extends {
     origin: Origin,
     place: Place,
-    preset: Option<String>,
-    unit: Option<(Unit, Place)>,
+    /// The wishes for a mesh.
+    mesh: MeshBase,
+    /// Where the unit is stated.
+    unit_place: Option<Place>,
     /// Size of the film, if the file states one: a camera that is chosen for the base fits it.
     size: Option<[u32; 2]>,
 }
@@ -61,7 +68,7 @@ enum Origin {
 }
 
 impl Origin {
-    fn read(item: &Item<'_>) -> Result<Self, SceneError> {
+    fn read(item: &Item<'_>) -> Result<Self> {
         if item.as_text() == Some(STILL_LIFE) {
             return Ok(Self::StillLife);
         }
@@ -78,15 +85,14 @@ impl Origin {
 }
 
 impl Extends {
-    pub(super) fn read(root: &Table<'_>) -> Result<Self, SceneError> {
+    pub(super) fn read(root: &Table<'_>) -> Result<Self> {
         let item = root.require("extends")?;
         let origin = Origin::read(&item)?;
-        let unit = root.get("unit").map(|item| item.word().map(|unit| (unit, item.place())));
         let film = root.get("film").map(|item| item.table()).transpose()?;
         let size = film.and_then(|table| table.get("size"));
         Ok(Self {
-            preset: root.get("preset").map(|item| read_preset_name(&item, &origin)).transpose()?,
-            unit: unit.transpose()?,
+            mesh: MeshBase::read(root, matches!(origin, Origin::Mesh(_)))?,
+            unit_place: root.get("unit").map(|item| item.place()),
             size: size.map(|item| read_size(&item, Film::EDGE)).transpose()?,
             place: item.place(),
             origin,
@@ -94,21 +100,11 @@ impl Extends {
     }
 }
 
-fn read_preset_name(item: &Item<'_>, origin: &Origin) -> Result<String, SceneError> {
-    let Origin::Mesh(_) = origin else {
-        let error = item.error("preset is for a mesh, but extends names a scene");
-        return Err(error.with_help("use the key preset in a [[material]]"));
-    };
-    let name = item.text()?;
-    preset(name).map_err(|error| SceneError { place: Some(item.place()), ..error.into() })?;
-    Ok(name.to_owned())
-}
-
 /// Index of the thing of the base that a table changes, by its key `name` or `index`; none where the name is new.
 pub(super) fn choose<'n>(
     table: &Table<'_>,
     names: impl Iterator<Item = &'n String>,
-) -> Result<Option<usize>, SceneError> {
+) -> Result<Option<usize>> {
     match (table.get("name"), table.get("index")) {
         (Some(_), Some(index)) => {
             Err(index.error(format!("{} has both name and index, but must have one", table.path())))
@@ -136,7 +132,7 @@ pub(super) fn choose<'n>(
 }
 
 /// Gives an object of the base another material; in a base that is not known only the keys are checked.
-pub(super) fn change_object(table: Table<'_>, is_known: bool, scene: &mut Scene) -> Result<(), SceneError> {
+pub(super) fn change_object(table: Table<'_>, is_known: bool, scene: &mut Scene) -> Result<()> {
     let table = table.allow(OBJECT_KEYS).map_err(|error| {
         let help = "an object with the key file or shape is a new one and has further keys";
         SceneError { help: Some(error.help.map_or(help.to_owned(), |old| format!("{old}; {help}"))), ..error }
@@ -160,7 +156,7 @@ pub(super) fn change_object(table: Table<'_>, is_known: bool, scene: &mut Scene)
 }
 
 /// Refuses a new object with the name of one of the base.
-pub(super) fn refuse_known_name(table: &Table<'_>, base: &Scene) -> Result<(), SceneError> {
+pub(super) fn refuse_known_name(table: &Table<'_>, base: &Scene) -> Result<()> {
     let item = table.require("name")?;
     let name = item.text()?;
     if base.objects.iter().all(|object| object.name != name) {
@@ -175,7 +171,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// None: it is valid.
-    pub(crate) fn still_life() -> Result<Self, SceneError> {
+    pub(crate) fn still_life() -> Result<Self> {
         let text = include_str!("../../scenes/still-life.toml");
         Self::parse(text, Path::new("scenes/still-life.toml"))
     }
@@ -189,7 +185,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// A file is missing or cannot be used; a change does not fit what it changes; an option does not fit the scene.
-    pub fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
+    pub fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
         let mut loading = Loading::new(&options.watch, warnings);
         let scene = Chain::of(self)?.load(options, &mut loading)?;
         Ok(Scene { files: loading.into_files(), ..scene })
@@ -212,7 +208,7 @@ struct Replacements<'a> {
 }
 
 impl Chain {
-    fn of(file: SceneFile) -> Result<Self, SceneError> {
+    fn of(file: SceneFile) -> Result<Self> {
         let mut paths = vec![identity(file.source.path())];
         let mut files = vec![file];
         let mut mesh = None;
@@ -245,7 +241,7 @@ impl Chain {
         Ok(Self { mesh, files })
     }
 
-    fn load(self, options: &LoadOptions, loading: &mut Loading<'_>) -> Result<Scene, SceneError> {
+    fn load(self, options: &LoadOptions, loading: &mut Loading<'_>) -> Result<Scene> {
         loading.add_files(self.files.iter().filter_map(|file| file.file.clone()));
         let Replacements { mesh, objects } = self.replacements(&options.mesh_overrides)?;
         let stated = self.files.iter().rev().find_map(|file| file.extends.as_ref()?.size);
@@ -280,10 +276,7 @@ impl Chain {
     }
 
     /// The replacement of each mesh.
-    fn replacements<'a>(
-        &self,
-        overrides: &'a [(Option<String>, PathBuf)],
-    ) -> Result<Replacements<'a>, SceneError> {
+    fn replacements<'a>(&self, overrides: &'a [(Option<String>, PathBuf)]) -> Result<Replacements<'a>> {
         let mesh = self.mesh.iter().map(|(path, _)| (None, stem(path)));
         let files = self.files.iter().enumerate().flat_map(|(number, file)| {
             file.mesh_files().map(move |(object, name)| (Some((number, object)), name.to_owned()))
@@ -310,11 +303,10 @@ fn load_mesh(
     extends: &Extends,
     options: &LoadOptions,
     loading: &mut Loading<'_>,
-) -> Result<Scene, SceneError> {
-    check_present(path, &extends.place)
-        .map_err(|error| error.with_help("put the mesh there, or give its path with --mesh PATH"))?;
-    let (preset, unit) = (extends.preset.clone(), extends.unit.as_ref().map(|(unit, _)| *unit));
-    load_bare_mesh(path, &LoadOptions { preset, unit, ..options.clone() }, loading)
+) -> Result<Scene> {
+    let advice = String::from("put the mesh there, or give its path with --mesh PATH");
+    check_present_or(path, &extends.place, Some(advice))?;
+    load_bare_mesh(path, &extends.mesh.apply(options.clone()), loading).map(|(scene, _)| scene)
 }
 
 /// Changes a base by a file.
@@ -324,8 +316,9 @@ fn extend(
     overrides: &HashMap<usize, &Path>,
     options: &LoadOptions,
     loading: &mut Loading<'_>,
-) -> Result<Scene, SceneError> {
-    if let Some((unit, place)) = file.extends.as_ref().and_then(|extends| extends.unit.as_ref())
+) -> Result<Scene> {
+    if let Some(Extends { mesh: MeshBase { unit: Some(unit), .. }, unit_place: Some(place), .. }) =
+        &file.extends
         && *unit != base.unit
     {
         let message =
@@ -350,7 +343,7 @@ fn extend(
 }
 
 /// Index of a name among those of the objects with a mesh file; without a name that of the only one.
-fn find_name(names: &[String], name: Option<&str>) -> Result<usize, SceneError> {
+fn find_name(names: &[String], name: Option<&str>) -> Result<usize> {
     let list = || names.join(", ");
     let Some(name) = name else {
         return match names.len() {

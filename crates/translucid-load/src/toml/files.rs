@@ -1,6 +1,6 @@
 //! Files and documents that the things of a scene name.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 use translucid_scene::description::FileList;
@@ -32,8 +32,8 @@ pub(super) struct NamedFiles {
 /// Files that things of a scene name, each with its index there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct KnownFiles {
-    pub(super) images: Vec<(PathBuf, ImageKind, usize)>,
-    pub(super) tables: Vec<(PathBuf, usize)>,
+    pub(super) images: HashMap<(PathBuf, ImageKind), usize>,
+    pub(super) tables: HashMap<(PathBuf, ()), usize>,
 }
 
 impl NamedFiles {

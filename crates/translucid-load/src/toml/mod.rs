@@ -6,6 +6,7 @@ mod camera;
 mod extend;
 mod files;
 mod material;
+mod mesh_base;
 mod object;
 mod origin;
 mod parse;
@@ -25,17 +26,18 @@ use glam::DVec3;
 use object::{GeometryOrigin, ObjectEntry};
 use parse::parse;
 use translucid_scene::description::{Entry, FileRequest, Item, Provenance, Table, Word};
-use translucid_scene::{
-    Camera, Environment, Film, ImageKind, Integrator, Light, Material, Scene, SceneError,
-};
+use translucid_scene::{Camera, Environment, Film, ImageKind, Integrator, Light, Material, Scene};
 
 pub use build::SceneBuilder;
+pub use material::name_after_preset;
+pub use mesh_base::MeshBase;
 pub use piece::Piece;
 pub use write::ExtendedBase;
 
 use crate::NamedCamera;
 use crate::file::stem;
 use crate::loading::Loading;
+use crate::result::Result;
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -74,7 +76,7 @@ impl Word for Grouping {
 ///
 /// # Errors
 /// The file cannot be read, has more than 16 MiB, or is not TOML.
-pub fn load_toml(path: &Path) -> Result<(Provenance, Vec<Entry>), SceneError> {
+pub fn load_toml(path: &Path) -> Result<(Provenance, Vec<Entry>)> {
     let source = Provenance::file(path, &build::read_text(path)?);
     let entries = parse(&source)?;
     Ok((source, entries))
@@ -124,7 +126,7 @@ impl SceneFile {
     /// assert_eq!(error.message, "film has no key exposur");
     /// assert_eq!(error.place.unwrap().line, Some(3));
     /// ```
-    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let source = Provenance::file(path, text);
         let entries = parse(&source)?.into();
         Self::of(source, entries, Base::Unknown, None)
@@ -138,7 +140,7 @@ impl SceneFile {
         entries: Arc<[Entry]>,
         base: Base,
         loading: Option<&mut Loading<'_>>,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self> {
         let root = Table::root(&source, &entries);
         let is_extending = root.get("extends").is_some();
         let origin = match &base {
@@ -203,7 +205,7 @@ impl SceneFile {
 
 impl SceneFile {
     /// The file with the materials of its documents.
-    fn with_documents(self, loading: &mut Loading<'_>) -> Result<Self, SceneError> {
+    fn with_documents(self, loading: &mut Loading<'_>) -> Result<Self> {
         match self.has_documents {
             true => Self::of(self.source, self.entries, Base::Unknown, Some(loading)),
             false => Ok(self),
@@ -211,7 +213,7 @@ impl SceneFile {
     }
 
     /// The camera of a name, or the first, or that of the base; none if it is to be chosen.
-    fn camera(&self, name: Option<&str>) -> Result<Option<Camera>, SceneError> {
+    fn camera(&self, name: Option<&str>) -> Result<Option<Camera>> {
         let chosen =
             NamedCamera::choose(&self.cameras, name).map_err(|error| error.or_at(self.source.path()))?;
         Ok(chosen.map(|named| named.camera).or(self.base_camera))
@@ -224,7 +226,7 @@ fn read_materials(
     is_extending: bool,
     scene: &mut Scene,
     files: &mut NamedFiles,
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let mut keys = Material::keys();
     keys.extend(is_extending.then_some("index"));
     let base = scene.materials.len();
@@ -247,9 +249,15 @@ fn read_materials(
             return Err(table.error("another table of the list changes this material, too"));
         }
         let old = scene.materials[index].clone();
-        let name = old.name.clone();
+        let name = match table.get("preset") {
+            None => old.name.clone(),
+            Some(item) => {
+                let others = scene.materials.iter().enumerate().filter(|(other, _)| *other != index);
+                let others = others.map(|(_, material)| material.name.as_str());
+                name_after_preset(&old, scene.unit, item.text()?, others).to_owned()
+            }
+        };
         let new = material::read_material(&table, old, scene.unit, files)?;
-        // A preset brings a name of its own
         scene.materials[index] = Material { name, ..new };
     }
     Ok(())
@@ -260,7 +268,7 @@ fn read_environment(
     is_extending: bool,
     base: Option<Environment>,
     files: &mut NamedFiles,
-) -> Result<Option<Environment>, SceneError> {
+) -> Result<Option<Environment>> {
     match root.get("environment") {
         None => Ok(base),
         Some(item) if is_extending && item.is_none() => Ok(None),
@@ -274,7 +282,7 @@ fn read_objects(
     is_extending: bool,
     is_known: bool,
     scene: &mut Scene,
-) -> Result<Vec<ObjectEntry>, SceneError> {
+) -> Result<Vec<ObjectEntry>> {
     let tables = root.tables("object", MOST_ENTRIES)?;
     if tables.is_empty() && !is_extending {
         return Err(root
@@ -302,7 +310,7 @@ fn read_objects(
 }
 
 /// Refuses a name that another table of the list has.
-fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Result<(), SceneError> {
+fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Result<()> {
     if names.insert(name.to_owned()) {
         return Ok(());
     }

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
+use crate::result::Result;
+
 use glam::{Affine3A, DAffine3, DVec3, EulerRot, Mat3, Quat, Vec3};
 use translucid_profile::nearest;
 use translucid_scene::description::{Content, Item, Key, Table, Vectors};
-use translucid_scene::{Interval, Material, Object, Place, Scene, SceneError, Unit, WholeInterval};
+use translucid_scene::{Interval, Material, Object, Place, Scene, Unit, WholeInterval};
 use translucid_shapes::{ShapeParameterKind, ShapeParameters, shape_names, shape_parameters};
 
 /// Keys of a file or shape, which an object with a mesh at hand does not have.
@@ -58,7 +60,7 @@ impl ObjectEntry {
 pub(super) fn read_object<'a>(
     table: Table<'a>,
     materials: Option<&[Material]>,
-) -> Result<(ObjectEntry, Table<'a>), SceneError> {
+) -> Result<(ObjectEntry, Table<'a>)> {
     let shape = table.get("shape").map(|item| read_shape_name(&item)).transpose()?;
     let parameters = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
     let table = table.allow(&names(Object::KEYS).chain(parameters).collect::<Vec<_>>())?;
@@ -71,7 +73,7 @@ pub(super) fn read_mesh_object(
     table: Table<'_>,
     place: Place,
     materials: &[Material],
-) -> Result<ObjectEntry, SceneError> {
+) -> Result<ObjectEntry> {
     let keys = names(Object::KEYS).filter(|key| !GEOMETRY_KEYS.contains(key)).chain(["movable"]);
     let table = table.allow(&keys.collect::<Vec<_>>())?;
     let is_movable = table.read("movable", false, Item::flag)?;
@@ -83,7 +85,7 @@ fn read_entry(
     geometry: GeometryOrigin,
     place: Place,
     materials: Option<&[Material]>,
-) -> Result<ObjectEntry, SceneError> {
+) -> Result<ObjectEntry> {
     let world_from_object = read_transform(table)?;
     let transforms = table.get("transforms").map(|item| read_transforms(table, &item)).transpose()?;
     let is_numbered = transforms.is_some();
@@ -112,7 +114,7 @@ fn read_entry(
 pub(super) fn read_change(
     table: &Table<'_>,
     materials: &[Material],
-) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
+) -> Result<(Option<Affine3A>, Option<usize>)> {
     let is_placed = names(Object::PLACE_KEYS).any(|key| table.get(key).is_some());
     let place = is_placed.then(|| read_transform(table)).transpose()?;
     let material = table.get("material").map(|item| read_material_name(&item, materials)).transpose()?;
@@ -130,16 +132,13 @@ pub(super) fn change_keys() -> Vec<&'static str> {
 
 type ShapeList = &'static [translucid_shapes::ShapeParameter];
 
-fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList), SceneError> {
+fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList)> {
     let words: Vec<(&str, &str)> = shape_names().into_iter().map(|name| (name, name)).collect();
     let name = item.word_of(&words)?;
     Ok((name.to_owned(), shape_parameters(name).unwrap_or_default()))
 }
 
-fn read_geometry(
-    table: &Table<'_>,
-    shape: Option<(String, ShapeList)>,
-) -> Result<(GeometryOrigin, Place), SceneError> {
+fn read_geometry(table: &Table<'_>, shape: Option<(String, ShapeList)>) -> Result<(GeometryOrigin, Place)> {
     match (table.get("file"), table.get("shape").zip(shape)) {
         (Some(file), None) => {
             let unit = table.get("unit").map(|item| item.word()).transpose()?;
@@ -160,7 +159,7 @@ fn read_geometry(
     }
 }
 
-fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapeParameters, SceneError> {
+fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapeParameters> {
     let mut parameters = ShapeParameters::new();
     for parameter in list {
         let Some(item) = table.get(parameter.name) else { continue };
@@ -178,7 +177,7 @@ fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapePara
 }
 
 /// Index of the material of a name.
-pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize, SceneError> {
+pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize> {
     let name = item.text()?;
     materials.iter().position(|material| material.name == name).ok_or_else(|| {
         let names = || materials.iter().map(|material| material.name.as_str());
@@ -192,7 +191,7 @@ pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Res
 }
 
 /// `matrix`, or scale, then rotation about x, y, z, then translation.
-pub(super) fn read_transform(table: &Table<'_>) -> Result<DAffine3, SceneError> {
+pub(super) fn read_transform(table: &Table<'_>) -> Result<DAffine3> {
     if let Some(matrix) = table.get("matrix") {
         if let Some(other) = ["translate", "rotate", "scale"].into_iter().find_map(|key| table.get(key)) {
             let message =
@@ -212,7 +211,7 @@ pub(super) fn read_transform(table: &Table<'_>) -> Result<DAffine3, SceneError> 
 }
 
 /// Places, each by the keys of an object's own.
-fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<DAffine3>, SceneError> {
+fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<DAffine3>> {
     let tables = match item.content() {
         Content::List(array) if array.is_empty() => {
             return Err(item.error(format!("{} is empty, but must have at least one table", item.path())));
@@ -224,7 +223,7 @@ fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<DAffine3>, 
     tables.into_iter().map(|place| read_transform(&place.allow(&keys)?)).collect()
 }
 
-fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
+fn read_scale(item: &Item<'_>) -> Result<Vec3> {
     let scale = match item.content() {
         Content::List(_) => item.vec3(Interval::SCALE)?,
         _ => Vec3::splat(item.number(Interval::SCALE)?),
@@ -236,7 +235,7 @@ fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
 }
 
 /// Sixteen numbers row by row, the last row 0 0 0 1.
-fn read_matrix(item: &Item<'_>) -> Result<DAffine3, SceneError> {
+fn read_matrix(item: &Item<'_>) -> Result<DAffine3> {
     let m: [f32; 16] = item.numbers(Interval::COORDINATE)?;
     let numbers = item.array::<16>("numbers")?;
     let mut translation = DVec3::ZERO;

@@ -2,14 +2,15 @@
 
 use ::toml::Spanned;
 use ::toml::de::{DeArray, DeTable, DeValue};
-use translucid_scene::SceneError;
 use translucid_scene::description::{Content, Entry, Provenance, Value};
+
+use crate::result::Result;
 
 /// The entries of a document.
 ///
 /// # Errors
 /// The text is not TOML.
-pub(super) fn parse(source: &Provenance) -> Result<Vec<Entry>, SceneError> {
+pub(super) fn parse(source: &Provenance) -> Result<Vec<Entry>> {
     let table = DeTable::parse(source.text()).map_err(|error| {
         let end = source.text().len();
         let span = error.span().unwrap_or(end..end);

@@ -1,5 +1,8 @@
 //! Scenes in code: each thing by the keys of a scene file's table.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry as MapEntry;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,10 +18,12 @@ use super::files::NamedFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::parse::parse;
 use super::{Grouping, material, name_objects, object};
+use crate::appearance::warn_of_panorama;
 use crate::image::read_image;
 use crate::loading::Loading;
 use crate::options::LoadOptions;
 use crate::profile_table::read_profile_table;
+use crate::result::Result;
 
 /// A thing of a scene: its keys and values, as they would stand in its table in a scene file.
 ///
@@ -44,7 +49,7 @@ impl Piece {
     ///
     /// # Errors
     /// The lines are not TOML.
-    pub fn parse(title: &str, lines: &str) -> Result<Self, SceneError> {
+    pub fn parse(title: &str, lines: &str) -> Result<Self> {
         match parse(&Provenance::file(Path::new(""), lines)) {
             Ok(entries) => Ok(Self::new(title, entries)),
             Err(error) => Err(SceneError::at(Place::part(Path::new(""), title), error.message)),
@@ -75,16 +80,12 @@ impl Piece {
     }
 
     /// The value that `read` makes of the table.
-    fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
+    fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T>) -> Result<T> {
         self.read_at(self.origin, read)
     }
 
     /// As `read`, in a scene of this origin.
-    fn read_at<T>(
-        &self,
-        origin: DVec3,
-        read: impl FnOnce(Table<'_>) -> Result<T, SceneError>,
-    ) -> Result<T, SceneError> {
+    fn read_at<T>(&self, origin: DVec3, read: impl FnOnce(Table<'_>) -> Result<T>) -> Result<T> {
         read(Table::root(&Provenance::part(&self.title).in_scene_at(origin.to_array()), &self.entries))
     }
 
@@ -92,7 +93,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value out of its range.
-    pub fn camera(&self) -> Result<Camera, SceneError> {
+    pub fn camera(&self) -> Result<Camera> {
         self.read(|table| Camera::DESCRIPTION.of_table(table))
     }
 
@@ -100,7 +101,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value out of its range.
-    pub fn light(&self) -> Result<Light, SceneError> {
+    pub fn light(&self) -> Result<Light> {
         self.read(Light::read)
     }
 
@@ -109,7 +110,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown, or a value not allowed.
-    pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
+    pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>)> {
         self.read_at(scene.origin, |table| {
             object::read_change(&table.allow(&object::change_keys())?, &scene.materials)
         })
@@ -119,7 +120,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown, or a value out of its range.
-    pub fn film(&self, film: Film) -> Result<Film, SceneError> {
+    pub fn film(&self, film: Film) -> Result<Film> {
         self.read(|table| Film::DESCRIPTION.changed_by(film, table))
     }
 
@@ -127,7 +128,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown, or a value out of its range.
-    pub fn integrator(&self, integrator: Integrator) -> Result<Integrator, SceneError> {
+    pub fn integrator(&self, integrator: Integrator) -> Result<Integrator> {
         self.read(|table| Integrator::DESCRIPTION.changed_by(integrator, table))
     }
 
@@ -135,7 +136,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown, a value out of its range, or a file is named.
-    pub fn material(&self, material: &Material, unit: Unit) -> Result<Material, SceneError> {
+    pub fn material(&self, material: &Material, unit: Unit) -> Result<Material> {
         let mut files = NamedFiles::default();
         let changed = self.changed_material(material, unit, &mut files)?;
         refuse_images(&files)?;
@@ -152,7 +153,7 @@ impl Piece {
         scene: &Scene,
         material: &Material,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
+    ) -> Result<(Material, Vec<Arc<Image>>)> {
         let mut files = NamedFiles::after(scene).opening();
         let changed = self.changed_material(material, scene.unit, &mut files);
         let mut loading = Loading::unwatched(warnings);
@@ -161,12 +162,7 @@ impl Piece {
         Ok((changed, self.all_images(&files, &mut loading)?))
     }
 
-    fn changed_material(
-        &self,
-        material: &Material,
-        unit: Unit,
-        files: &mut NamedFiles,
-    ) -> Result<Material, SceneError> {
+    fn changed_material(&self, material: &Material, unit: Unit, files: &mut NamedFiles) -> Result<Material> {
         let changed = self.read(|table| {
             let table = table.allow(&Material::keys())?;
             material::read_material(&table, material.clone(), unit, files)
@@ -184,7 +180,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown or missing, a value out of its range, or a file is named.
-    pub fn environment(&self) -> Result<Environment, SceneError> {
+    pub fn environment(&self) -> Result<Environment> {
         let mut files = NamedFiles::default();
         let environment = self.read_environment(&mut files)?;
         refuse_images(&files)?;
@@ -200,26 +196,24 @@ impl Piece {
         &self,
         scene: &Scene,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
+    ) -> Result<(Environment, Vec<Arc<Image>>)> {
         let mut files = NamedFiles::after(scene);
         let environment = self.read_environment(&mut files)?;
-        Ok((environment, self.all_images(&files, &mut Loading::unwatched(warnings))?))
+        let images = self.all_images(&files, &mut Loading::unwatched(warnings))?;
+        images.iter().for_each(|image| warn_of_panorama(image, warnings));
+        Ok((environment, images))
     }
 
-    fn read_environment(&self, files: &mut NamedFiles) -> Result<Environment, SceneError> {
+    fn read_environment(&self, files: &mut NamedFiles) -> Result<Environment> {
         self.read(|table| Environment::read(table, None, &mut files.list))
     }
 
-    fn all_images(
-        &self,
-        files: &NamedFiles,
-        loading: &mut Loading<'_>,
-    ) -> Result<Vec<Arc<Image>>, SceneError> {
+    fn all_images(&self, files: &NamedFiles, loading: &mut Loading<'_>) -> Result<Vec<Arc<Image>>> {
         files.list.images.iter().map(|request| load_or_take(request, loading)).collect()
     }
 }
 
-fn refuse_images(files: &NamedFiles) -> Result<(), SceneError> {
+fn refuse_images(files: &NamedFiles) -> Result<()> {
     match files.list.images.first() {
         Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
             .with_help("make a scene that has it")),
@@ -228,10 +222,7 @@ fn refuse_images(files: &NamedFiles) -> Result<(), SceneError> {
 }
 
 /// The image at hand or in a file.
-fn load_or_take(
-    request: &FileRequest<ImageKind>,
-    loading: &mut Loading<'_>,
-) -> Result<Arc<Image>, SceneError> {
+fn load_or_take(request: &FileRequest<ImageKind>, loading: &mut Loading<'_>) -> Result<Arc<Image>> {
     // Floating-point values are linear in any case
     let color_space = request.kind.color_space();
     let is_as_asked =
@@ -244,6 +235,23 @@ fn load_or_take(
             read_image(&request.path, request.kind, loading).map(Arc::new)
         }
     }
+}
+
+/// The index of each file among all that a scene has, which those that are not known join.
+fn numbered<K: Copy + Eq + Hash, T>(
+    requests: &[FileRequest<K>],
+    known: &mut HashMap<(PathBuf, K), usize>,
+    all: &mut Vec<T>,
+    mut load: impl FnMut(&FileRequest<K>) -> Result<T>,
+) -> Result<Vec<usize>> {
+    let number = |request: &FileRequest<K>| match known.entry((request.path.clone(), request.kind)) {
+        MapEntry::Occupied(known) => Ok(*known.get()),
+        MapEntry::Vacant(new) => {
+            all.push(load(request)?);
+            Ok(*new.insert(all.len() - 1))
+        }
+    };
+    requests.iter().map(number).collect()
 }
 
 impl SceneBuilder {
@@ -266,7 +274,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// It is another word.
-    pub fn set_subsurface_grouping(&mut self, piece: &Piece) -> Result<(), SceneError> {
+    pub fn set_subsurface_grouping(&mut self, piece: &Piece) -> Result<()> {
         self.grouping = piece.read(|table| {
             let table = table.allow(&["subsurface_grouping"])?;
             table.require("subsurface_grouping")?.word::<Grouping>()
@@ -278,7 +286,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
-    pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+    pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<()> {
         let mut files = NamedFiles::default().opening();
         let unit = self.scene.unit;
         let new = piece.read(|table| {
@@ -304,7 +312,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
-    pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+    pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<()> {
         let materials = &self.scene.materials;
         let origin = self.scene.origin;
         let entry = piece.read_at(origin, |table| Ok(object::read_object(table, Some(materials))?.0))?;
@@ -326,12 +334,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// A key is unknown, a value out of its range, the name taken, or nothing is left of the mesh.
-    pub fn add_mesh_object(
-        &mut self,
-        piece: &Piece,
-        mesh: Mesh,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<(), SceneError> {
+    pub fn add_mesh_object(&mut self, piece: &Piece, mesh: Mesh, warnings: &mut Vec<Warning>) -> Result<()> {
         let materials = &self.scene.materials;
         let read = |table: Table<'_>| object::read_mesh_object(table, piece.place(), materials);
         let entry = piece.read_at(self.scene.origin, read)?;
@@ -340,7 +343,7 @@ impl SceneBuilder {
     }
 
     /// An object with a name that no other has.
-    fn named(&self, piece: &Piece, entry: ObjectEntry) -> Result<ObjectEntry, SceneError> {
+    fn named(&self, piece: &Piece, entry: ObjectEntry) -> Result<ObjectEntry> {
         let names = || self.scene.objects.iter().map(|object| &object.name);
         if !entry.name.is_empty() {
             Self::require_new_name(piece, &entry.name, names())?;
@@ -356,7 +359,7 @@ impl SceneBuilder {
         piece: &Piece,
         name: &str,
         mut names: impl Iterator<Item = &'a String>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         if names.all(|other| other != name) {
             return Ok(());
         }
@@ -368,7 +371,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// As [`Piece::light`].
-    pub fn add_light(&mut self, piece: &Piece) -> Result<(), SceneError> {
+    pub fn add_light(&mut self, piece: &Piece) -> Result<()> {
         self.scene.lights.push(piece.read_at(self.scene.origin, Light::read)?);
         Ok(())
     }
@@ -377,13 +380,16 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// As [`Piece::environment_with_images`], or a file cannot be used.
-    pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+    pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<()> {
         let mut files = NamedFiles::default();
         let mut environment = piece.read_environment(&mut files)?;
         let mut loading = Loading::unwatched(warnings);
         let (images, _) = self.add_files(&files, &mut loading)?;
         self.scene.files.append(&mut loading.into_files());
         environment.image = environment.image.map(|image| images[image]);
+        if let Some(image) = environment.image {
+            warn_of_panorama(&self.scene.images[image], warnings);
+        }
         self.scene.environment = Some(environment);
         Ok(())
     }
@@ -392,7 +398,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// As [`Piece::camera`].
-    pub fn set_camera(&mut self, piece: &Piece) -> Result<(), SceneError> {
+    pub fn set_camera(&mut self, piece: &Piece) -> Result<()> {
         let read = |table: Table<'_>| Camera::DESCRIPTION.of_table(table);
         self.camera = Some(piece.read_at(self.scene.origin, read)?);
         Ok(())
@@ -402,7 +408,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// As [`Piece::film`].
-    pub fn set_film(&mut self, piece: &Piece) -> Result<(), SceneError> {
+    pub fn set_film(&mut self, piece: &Piece) -> Result<()> {
         self.scene.film = piece.film(self.scene.film)?;
         Ok(())
     }
@@ -411,7 +417,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// As [`Piece::integrator`].
-    pub fn set_integrator(&mut self, piece: &Piece) -> Result<(), SceneError> {
+    pub fn set_integrator(&mut self, piece: &Piece) -> Result<()> {
         self.scene.integrator = piece.integrator(self.scene.integrator)?;
         Ok(())
     }
@@ -421,34 +427,15 @@ impl SceneBuilder {
         &mut self,
         files: &NamedFiles,
         loading: &mut Loading<'_>,
-    ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
-        let (mut images, mut tables) = (Vec::new(), Vec::new());
-        for request in &files.list.images {
-            let is_same = |(path, kind, _): &&(PathBuf, ImageKind, usize)| {
-                *path == request.path && *kind == request.kind
-            };
-            let index = match self.files.images.iter().find(is_same) {
-                Some(&(_, _, index)) => index,
-                None => {
-                    self.scene.images.push(load_or_take(request, loading)?);
-                    self.scene.images.len() - 1
-                }
-            };
-            self.files.images.push((request.path.clone(), request.kind, index));
-            images.push(index);
-        }
-        for request in &files.list.tables {
-            let index = match self.files.tables.iter().find(|(path, _)| *path == request.path) {
-                Some(&(_, index)) => index,
-                None => {
-                    check_present(&request.path, &request.place)?;
-                    self.scene.profile_tables.push(read_profile_table(&request.path, loading)?);
-                    self.scene.profile_tables.len() - 1
-                }
-            };
-            self.files.tables.push((request.path.clone(), index));
-            tables.push(index);
-        }
+    ) -> Result<(Vec<usize>, Vec<usize>)> {
+        let Self { scene, files: known, .. } = self;
+        let images = numbered(&files.list.images, &mut known.images, &mut scene.images, |request| {
+            load_or_take(request, loading)
+        })?;
+        let tables = numbered(&files.list.tables, &mut known.tables, &mut scene.profile_tables, |request| {
+            check_present(&request.path, &request.place)?;
+            read_profile_table(&request.path, loading)
+        })?;
         Ok((images, tables))
     }
 
@@ -458,7 +445,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// There are no objects, or what was chosen is beyond what a scene may have.
-    pub fn build(&self, options: &LoadOptions) -> Result<Scene, SceneError> {
+    pub fn build(&self, options: &LoadOptions) -> Result<Scene> {
         if self.scene.objects.is_empty() {
             return Err(SceneError::new("the scene has no objects, but must have at least one"));
         }
@@ -486,7 +473,7 @@ mod tests {
     use super::*;
     use crate::SceneFile;
 
-    fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
+    fn pieces(builder: &mut SceneBuilder) -> Result<()> {
         let mut warnings = Vec::new();
         builder.add_material(
             &Piece::parse(

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::DVec3;
+use translucid_profile::convention::{Preset, presets};
 use translucid_scene::description::{Content, Entry, Part, Provenance, Visit, quoted};
 use translucid_scene::{
     Camera, Environment, Film, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceModel, Unit,
@@ -11,23 +12,24 @@ use translucid_scene::{
 
 use super::SceneFile;
 use super::base::Base;
+use super::material::name_after_preset;
+use super::mesh_base::MeshBase;
 use super::parse::parse;
+use crate::result::Result;
 
-/// The base that a written scene file extends: its keys `extends`, `preset` and `unit`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// The base that a written scene file extends: its key `extends`, and those for a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExtendedBase {
     /// Path of a scene or mesh, relative to the folder that the file will lie in, or "still-life".
     pub extends: String,
-    /// Preset of a mesh.
-    pub preset: Option<String>,
-    /// Unit of a mesh's coordinates.
-    pub unit: Option<Unit>,
+    /// Wishes for the mesh, if the base is one.
+    pub mesh: MeshBase,
 }
 
 impl ExtendedBase {
     /// A scene file that extends the base and changes its scene, `from`, into `to`.
     ///
-    /// `from` is what [`load_scene`](crate::load_scene) makes of the base without further options.
+    /// `from` is what [`load_scene`](crate::load_scene) makes of the base with no options but those of `mesh`.
     /// The file has the differences and nothing else, and every number reads back to the same bits.
     /// Meshes are not looked at, so the objects may be without.
     /// An image of `to` is one of `from` if both share it, wherever it is in their lists.
@@ -47,20 +49,10 @@ impl ExtendedBase {
     /// assert_eq!(base.write(&from, &to, None)?, "extends = \"still-life\"\n\n[film]\nexposure = 0.5\n");
     /// # Ok::<(), translucid_scene::SceneError>(())
     /// ```
-    pub fn write(
-        &self,
-        from: &Scene,
-        to: &Scene,
-        environment_file: Option<&str>,
-    ) -> Result<String, SceneError> {
+    pub fn write(&self, from: &Scene, to: &Scene, environment_file: Option<&str>) -> Result<String> {
         let to = &with_numbers_of(from, to);
         let mut text = format!("extends = {}\n", quoted(&self.extends));
-        if let Some(preset) = &self.preset {
-            text += &format!("preset = {}\n", quoted(preset));
-        }
-        if let Some(unit) = self.unit {
-            text += &format!("unit = {}\n", quoted(unit.name()));
-        }
+        text += &table("", &self.mesh.write());
         // What stands at the root comes before the first table
         let lights = lights(from, to);
         let environment = environment(from, to, environment_file)?;
@@ -83,7 +75,10 @@ impl ExtendedBase {
         require_same_number("materials", from.materials.len(), to.materials.len())?;
         for (index, (old, new)) in from.materials.iter().zip(&to.materials).enumerate() {
             let header = chosen("material", index, from.materials.iter().map(|material| &material.name));
-            text += &table(&header, &material(old, new)?);
+            // Those before it have their new names by then
+            let others = to.materials[..index].iter().chain(&from.materials[index + 1..]);
+            let others: Vec<&str> = others.map(|other| other.name.as_str()).collect();
+            text += &table(&header, &material(old, new, &others, to.unit)?);
         }
         require_same_number("objects", from.objects.len(), to.objects.len())?;
         for (index, (old, new)) in from.objects.iter().zip(&to.objects).enumerate() {
@@ -96,7 +91,7 @@ impl ExtendedBase {
     }
 }
 
-fn require_same_number(things: &str, from: usize, to: usize) -> Result<(), SceneError> {
+fn require_same_number(things: &str, from: usize, to: usize) -> Result<()> {
     if from == to {
         return Ok(());
     }
@@ -121,17 +116,32 @@ fn chosen<'n>(kind: &str, index: usize, names: impl Iterator<Item = &'n String> 
     format!("\n[[{kind}]]\n{key}\n")
 }
 
-/// The parameters that differ.
-fn material(from: &Material, to: &Material) -> Result<Vec<Entry>, SceneError> {
+/// The parameters that differ, from a preset where that is shorter.
+fn material(from: &Material, to: &Material, others: &[&str], unit: Unit) -> Result<Vec<Entry>> {
     if let (old, new @ SubsurfaceModel::Tabulated(_)) = (from.subsurface_model, to.subsurface_model)
         && old != new
     {
         return Err(unsaid(&format!("the table of material {}", to.name)));
     }
-    Ok(Material::DESCRIPTION.write_changes(from, to))
+    let plain = Material::DESCRIPTION.write_changes(from, to);
+    let mut names_image = !to.layers.is_empty();
+    to.clone().for_each_image(|_| names_image = true);
+    if names_image {
+        return Ok(plain);
+    }
+    let gives_name =
+        |preset: &&Preset| name_after_preset(from, unit, preset.name, others.iter().copied()) == to.name;
+    let from_preset = |preset: &Preset| {
+        let changes = Material::DESCRIPTION.write_changes(&Material::of_preset(preset, unit), to);
+        std::iter::once(Entry::new("preset", preset.name)).chain(changes).collect::<Vec<_>>()
+    };
+    let shortest = presets().iter().filter(gives_name).map(from_preset).min_by_key(Vec::len);
+    // Nothing but a preset brings another name
+    let is_renamed = from.name != to.name;
+    Ok(shortest.filter(|entries| is_renamed || entries.len() < plain.len()).unwrap_or(plain))
 }
 
-fn object(from: &Object, to: &Object, scene: &Scene) -> Result<Vec<Entry>, SceneError> {
+fn object(from: &Object, to: &Object, scene: &Scene) -> Result<Vec<Entry>> {
     if from.material == to.material {
         return Ok(Vec::new());
     }
@@ -158,7 +168,7 @@ fn light(light: &Light, origin: DVec3) -> String {
 
 /// The table of an environment that differs, without a file where it keeps its image; a line at the root where there is
 /// none any more.
-fn environment(from: &Scene, to: &Scene, file: Option<&str>) -> Result<String, SceneError> {
+fn environment(from: &Scene, to: &Scene, file: Option<&str>) -> Result<String> {
     if format!("{:?}", from.environment) == format!("{:?}", to.environment) {
         return Ok(String::new());
     }
@@ -232,7 +242,7 @@ fn without_meshes(scene: &Scene) -> Scene {
 }
 
 /// Reads the text back, as changes of the base: it must give what was to be written.
-fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
+fn verify(text: &str, from: &Scene, to: &Scene) -> Result<()> {
     let source = Provenance::file("the scene to be written".as_ref(), text);
     let entries = parse(&source)?.into();
     let read = SceneFile::of(source, entries, Base::Known(Box::new(without_meshes(from))), None)?;
@@ -286,7 +296,7 @@ fn keep_digits(camera: &mut Camera, lights: &mut [Light], to: &Scene) {
 }
 
 /// Distinguishes values that `==` does not: 0 and -0.
-fn require_same<T: Debug>(what: &str, read: &T, wanted: &T) -> Result<(), SceneError> {
+fn require_same<T: Debug>(what: &str, read: &T, wanted: &T) -> Result<()> {
     if format!("{read:?}") == format!("{wanted:?}") {
         Ok(())
     } else {

@@ -245,28 +245,26 @@ fn ply(vertices: usize, elements: String, data: String) -> (&'static str, Vec<u8
 
 const FACE: &str = "property list uchar int vertex_indices\n";
 
+/// A PLY of a triangle with further lines in its header.
+fn ply_with(length: usize, line: impl Fn(usize) -> String) -> (&'static str, Vec<u8>) {
+    let header = format!("element face 1\n{FACE}{}", lines(length, line));
+    ply(3, header, format!("{CORNERS}3 0 1 2\n"))
+}
+
+/// The vertices of a triangle.
+const CORNERS: &str = "0 0 0\n1 0 0\n0 1 0\n";
+
+/// A PLY with one list of vertices.
+fn ply_list(element: &str, length: usize) -> (&'static str, Vec<u8>) {
+    let vertices = " 0 1 2".repeat(length / 3) + &" 0".repeat(length % 3);
+    let header = format!("element {element} 1\nproperty list int int vertex_indices\n");
+    ply(3, header, format!("{CORNERS}{length}{vertices}\n"))
+}
+
 const PLY: &[(&str, List)] = &[
-    ("ply elements", |n| {
-        ply(
-            3,
-            format!("element face 1\n{FACE}{}", lines(n, |i| format!("element e{i} 0"))),
-            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
-        )
-    }),
-    ("ply elements of no properties", |n| {
-        ply(
-            3,
-            format!("element face 1\n{FACE}{}", lines(n, |i| format!("element e{i} 9"))),
-            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
-        )
-    }),
-    ("ply comments", |n| {
-        ply(
-            3,
-            format!("element face 1\n{FACE}{}", lines(n, |i| format!("comment {i}"))),
-            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".into(),
-        )
-    }),
+    ("ply elements", |n| ply_with(n, |i| format!("element e{i} 0"))),
+    ("ply elements of no properties", |n| ply_with(n, |i| format!("element e{i} 9"))),
+    ("ply comments", |n| ply_with(n, |i| format!("comment {i}"))),
     ("ply properties", |n| {
         ply(
             3,
@@ -285,25 +283,13 @@ const PLY: &[(&str, List)] = &[
             ),
         )
     }),
-    ("ply polygon", |n| {
-        ply(
-            3,
-            "element face 1\nproperty list int int vertex_indices\n".into(),
-            format!("0 0 0\n1 0 0\n0 1 0\n{n}{}\n", " 0 1 2".repeat(n / 3) + &" 0".repeat(n % 3)),
-        )
-    }),
-    ("ply strip", |n| {
-        ply(
-            3,
-            "element tristrips 1\nproperty list int int vertex_indices\n".into(),
-            format!("0 0 0\n1 0 0\n0 1 0\n{n}{}\n", " 0 1 2".repeat(n / 3) + &" 0".repeat(n % 3)),
-        )
-    }),
+    ("ply polygon", |n| ply_list("face", n)),
+    ("ply strip", |n| ply_list("tristrips", n)),
     ("ply coordinates of corners", |n| {
         ply(
             3,
             format!("element face {n}\n{FACE}property list uchar float texcoord\n"),
-            format!("0 0 0\n1 0 0\n0 1 0\n{}", lines(n, |i| format!("3 0 1 2 6 {i} 0 0 0 0 0"))),
+            format!("{CORNERS}{}", lines(n, |i| format!("3 0 1 2 6 {i} 0 0 0 0 0"))),
         )
     }),
     ("ply colors of faces", |n| {
@@ -312,7 +298,7 @@ const PLY: &[(&str, List)] = &[
             format!(
                 "element face {n}\n{FACE}property float red\nproperty float green\nproperty float blue\n"
             ),
-            format!("0 0 0\n1 0 0\n0 1 0\n{}", lines(n, |i| format!("3 0 1 2 {i} 0 0"))),
+            format!("{CORNERS}{}", lines(n, |i| format!("3 0 1 2 {i} 0 0"))),
         )
     }),
 ];
@@ -387,25 +373,36 @@ fn meshes_of_accessors(length: usize) -> String {
 
 const PRIMITIVE: &str = "{\"attributes\":{\"POSITION\":0}}";
 
+/// A glTF of a node with a mesh of these primitives, with other lists.
+fn gltf_mesh(primitives: &str, rest: &str) -> (&'static str, Vec<u8>) {
+    gltf(format!("{rest}\"meshes\":[{{\"primitives\":[{primitives}]}}],\"nodes\":[{{\"mesh\":0}}]"))
+}
+
+/// A glTF of nodes, with a mesh to have.
+fn gltf_nodes(nodes: String) -> (&'static str, Vec<u8>) {
+    gltf(format!("\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{nodes}]"))
+}
+
+/// A glTF of these materials, each of a primitive, with other lists.
+fn gltf_materials(length: usize, material: impl Fn(usize) -> String, rest: &str) -> (&'static str, Vec<u8>) {
+    let materials = list(length, material);
+    let primitives = list(length, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"));
+    gltf_mesh(&primitives, &format!("{rest}\"materials\":[{materials}],"))
+}
+
+/// A material with a texture.
+fn textured(texture: usize) -> String {
+    format!("{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":{texture}}}}}}}")
+}
+
 const GLTF: &[(&str, List)] = &[
-    ("gltf nodes", |n| {
-        gltf(format!(
-            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{}]",
-            list(n, |_| "{\"mesh\":0}".into())
-        ))
-    }),
+    ("gltf nodes", |n| gltf_nodes(list(n, |_| "{\"mesh\":0}".into()))),
     ("gltf chain of nodes", |n| {
-        gltf(format!(
-            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{},{{\"mesh\":0}}]",
-            list(n, |i| format!("{{\"children\":[{}]}}", i + 1))
-        ))
+        gltf_nodes(list(n, |i| format!("{{\"children\":[{}]}}", i + 1)) + ",{\"mesh\":0}")
     }),
     ("gltf children", |n| {
-        gltf(format!(
-            "\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"children\":[{}]}},{}]",
-            list(n, |i| format!("{}", i + 1)),
-            list(n, |_| "{\"mesh\":0}".into())
-        ))
+        let children = list(n, |i| format!("{}", i + 1));
+        gltf_nodes(format!("{{\"children\":[{children}]}},{}", list(n, |_| "{\"mesh\":0}".into())))
     }),
     ("gltf meshes", |n| {
         gltf(format!(
@@ -414,40 +411,18 @@ const GLTF: &[(&str, List)] = &[
             list(n, |i| format!("{{\"mesh\":{i}}}"))
         ))
     }),
-    ("gltf primitives", |n| {
-        gltf(format!(
-            "\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |_| PRIMITIVE.into())
-        ))
-    }),
-    ("gltf materials", |n| {
-        gltf(format!(
-            "\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("{{\"name\":\"{i}\"}}")),
-            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
-        ))
-    }),
+    ("gltf primitives", |n| gltf_mesh(&list(n, |_| PRIMITIVE.into()), "")),
+    ("gltf materials", |n| gltf_materials(n, |i| format!("{{\"name\":\"{i}\"}}"), "")),
     ("gltf extensions of materials", |n| {
-        gltf(format!(
-            "\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("{{\"extensions\":{{\"KHR_materials_e{i}\":{{}}}}}}")),
-            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
-        ))
+        gltf_materials(n, |i| format!("{{\"extensions\":{{\"KHR_materials_e{i}\":{{}}}}}}"), "")
     }),
     ("gltf extensions required", |n| {
-        gltf(format!(
-            "\"extensionsRequired\":[{}],\"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("\"E{i}\""))
-        ))
+        gltf_mesh(PRIMITIVE, &format!("\"extensionsRequired\":[{}],", list(n, |i| format!("\"E{i}\""))))
     }),
     ("gltf missing pictures", |n| {
-        gltf(format!(
-            "\"images\":[{}],\"textures\":[{}],\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("{{\"uri\":\"no{i}.png\"}}")),
-            list(n, |i| format!("{{\"source\":{i}}}")),
-            list(n, |i| format!("{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":{i}}}}}}}")),
-            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
-        ))
+        let images = list(n, |i| format!("{{\"uri\":\"no{i}.png\"}}"));
+        let textures = list(n, |i| format!("{{\"source\":{i}}}"));
+        gltf_materials(n, textured, &format!("\"images\":[{images}],\"textures\":[{textures}],"))
     }),
     ("gltf cameras and lights", |n| {
         gltf(format!(
@@ -463,19 +438,15 @@ const GLTF: &[(&str, List)] = &[
     ("gltf views", |n| gltf_of([1, n, n], meshes_of_accessors(n))),
     ("gltf buffers", |n| gltf_of([n, n, n], meshes_of_accessors(n))),
     ("gltf samplers", |n| {
-        gltf(format!(
-            "\"samplers\":[{}],\"textures\":[{}],\"images\":[{{\"uri\":\"no.png\"}}],\"materials\":[{}],\"meshes\":[{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |_| "{\"wrapS\":33071}".into()),
-            list(n, |i| format!("{{\"source\":0,\"sampler\":{i}}}")),
-            list(n, |i| format!("{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":{i}}}}}}}")),
-            list(n, |i| format!("{{\"attributes\":{{\"POSITION\":0}},\"material\":{i}}}"))
-        ))
+        let samplers = list(n, |_| "{\"wrapS\":33071}".into());
+        let textures = list(n, |i| format!("{{\"source\":0,\"sampler\":{i}}}"));
+        let images = "\"images\":[{\"uri\":\"no.png\"}]";
+        let rest = format!("\"samplers\":[{samplers}],\"textures\":[{textures}],{images},");
+        gltf_materials(n, textured, &rest)
     }),
     ("gltf attributes", |n| {
-        gltf(format!(
-            "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,{}}}}}]}}],\"nodes\":[{{\"mesh\":0}}]",
-            list(n, |i| format!("\"_A{i}\":0"))
-        ))
+        let attributes = list(n, |i| format!("\"_A{i}\":0"));
+        gltf_mesh(&format!("{{\"attributes\":{{\"POSITION\":0,{attributes}}}}}"), "")
     }),
 ];
 
@@ -519,7 +490,9 @@ const TOML: &[(&str, List)] = &[
     ("toml missing pictures", |n| {
         toml(
             BALL.to_owned()
-                + &lines(n, |i| format!("[[material]]\nname = \"{i}\"\nbase_color = \"no{i}.png\"")),
+                + &lines(n, |i| {
+                    format!("[[material]]\nname = \"{i}\"\nbase_color = {{ file = \"no{i}.png\" }}")
+                }),
         )
     }),
     ("toml nested arrays", |n| toml(format!("{BALL}scale = {}1{}\n", "[".repeat(n), "]".repeat(n)))),
@@ -545,92 +518,36 @@ const BESIDE: &[(&str, ListBeside)] = &[
     }),
     ("mtl transparent materials", |folder, n| mtl(folder, lines(n, |i| format!("newmtl m{i}\nTr 1")))),
     ("csv rows", |folder, n| {
-        std::fs::write(
-            folder.join("list.csv"),
-            format!("r,reflectance\n{}", lines(n, |i| format!("{i},{}", 1.0 / (i + 1) as f64))),
-        )
-        .unwrap();
-        toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nsubsurface_table = \"list.csv\"\n"))
+        csv(folder, format!("r,reflectance\n{}", lines(n, |i| format!("{i},{}", 1.0 / (i + 1) as f64))))
     }),
     ("csv columns", |folder, n| {
-        std::fs::write(
-            folder.join("list.csv"),
-            format!(
-                "r,reflectance{}\n0,1{}\n1,.5{}\n",
-                (0..n).map(|i| format!(",c{i}")).collect::<String>(),
-                ",1".repeat(n),
-                ",1".repeat(n)
-            ),
-        )
-        .unwrap();
-        toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nsubsurface_table = \"list.csv\"\n"))
+        let (names, ones) = ((0..n).map(|i| format!(",c{i}")).collect::<String>(), ",1".repeat(n));
+        csv(folder, format!("r,reflectance{names}\n0,1{ones}\n1,.5{ones}\n"))
     }),
     ("mtlx nodes", |folder, n| {
-        mtlx(
-            folder,
-            lines(n, |i| {
-                format!(
-                    "<constant name=\"n{i}\" type=\"color3\"><input name=\"value\" type=\"color3\" value=\"1,1,1\"/></constant>"
-                )
-            }),
-            "",
-        )
+        let value = "<input name=\"value\" type=\"color3\" value=\"1,1,1\"/>";
+        let node = |i| format!("<constant name=\"n{i}\" type=\"color3\">{value}</constant>");
+        mtlx(folder, lines(n, node), "")
     }),
-    ("mtlx chain of nodes", |folder, n| {
-        mtlx(
-            folder,
-            lines(n, |i| {
-                format!(
-                    "<multiply name=\"n{i}\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"n{}\"/><input name=\"in2\" type=\"color3\" value=\"1,1,1\"/></multiply>",
-                    i + 1
-                )
-            }),
-            "<input name=\"base_color\" type=\"color3\" nodename=\"n0\"/>",
-        )
-    }),
-    ("mtlx tree of nodes", |folder, n| {
-        mtlx(
-            folder,
-            lines(n, |i| {
-                format!(
-                    "<multiply name=\"n{i}\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"n{0}\"/><input name=\"in2\" type=\"color3\" nodename=\"n{0}\"/></multiply>",
-                    i + 1
-                )
-            }),
-            "<input name=\"base_color\" type=\"color3\" nodename=\"n0\"/>",
-        )
-    }),
+    ("mtlx chain of nodes", |folder, n| products(folder, n, |_| "value=\"1,1,1\"".into())),
+    ("mtlx tree of nodes", |folder, n| products(folder, n, |i| format!("nodename=\"n{i}\""))),
     ("mtlx inputs", |folder, n| {
-        mtlx(
-            folder,
-            String::new(),
-            &lines(n, |i| format!("<input name=\"i{i}\" type=\"float\" value=\"1\"/>")),
-        )
+        let inputs = lines(n, |i| format!("<input name=\"i{i}\" type=\"float\" value=\"1\"/>"));
+        mtlx(folder, String::new(), &inputs)
     }),
     ("mtlx materials", |folder, n| {
-        mtlx(
-            folder,
-            lines(n, |i| {
-                format!(
-                    "<surfacematerial name=\"m{i}\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/></surfacematerial>"
-                )
-            }),
-            "",
-        )
+        let shader = "<input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/>";
+        let material =
+            |i| format!("<surfacematerial name=\"m{i}\" type=\"material\">{shader}</surfacematerial>");
+        mtlx(folder, lines(n, material), "")
     }),
     ("mtlx shaders", |folder, n| {
         mtlx(folder, lines(n, |i| format!("<open_pbr_surface name=\"s{i}\" type=\"surfaceshader\"/>")), "")
     }),
     ("mtlx graphs", |folder, n| {
-        mtlx(
-            folder,
-            lines(n, |i| {
-                format!(
-                    "<nodegraph name=\"g{i}\"><output name=\"o\" type=\"color3\" nodename=\"n\"/></nodegraph>"
-                )
-            }),
-            "<input name=\"base_color\" type=\"color3\" nodegraph=\"g0\" output=\"o\"/>",
-        )
+        let output = "<output name=\"o\" type=\"color3\" nodename=\"n\"/>";
+        let graphs = lines(n, |i| format!("<nodegraph name=\"g{i}\">{output}</nodegraph>"));
+        mtlx(folder, graphs, "<input name=\"base_color\" type=\"color3\" nodegraph=\"g0\" output=\"o\"/>")
     }),
     ("png chunks", |folder, n| {
         let mut bytes = Vec::new();
@@ -733,17 +650,39 @@ fn exr(folder: &Path, parts: &[&[String]]) -> (&'static str, Vec<u8>) {
     picture("list.exr")
 }
 
+/// A document of products, each of the next one and of a factor.
+fn products(folder: &Path, length: usize, factor: impl Fn(usize) -> String) -> (&'static str, Vec<u8>) {
+    let product = |i: usize| {
+        let [next, other] = [format!("nodename=\"n{}\"", i + 1), factor(i + 1)];
+        let input = |name: &str, value: &str| format!("<input name=\"{name}\" type=\"color3\" {value}/>");
+        let inputs = input("in1", &next) + &input("in2", &other);
+        format!("<multiply name=\"n{i}\" type=\"color3\">{inputs}</multiply>")
+    };
+    mtlx(folder, lines(length, product), "<input name=\"base_color\" type=\"color3\" nodename=\"n0\"/>")
+}
+
 /// A document with a shader of these inputs.
 fn mtlx(folder: &Path, nodes: String, inputs: &str) -> (&'static str, Vec<u8>) {
     let text = format!(
         "<materialx version=\"1.39\">\n<open_pbr_surface name=\"S\" type=\"surfaceshader\">{inputs}</open_pbr_surface>\n{nodes}</materialx>\n"
     );
     std::fs::write(folder.join("list.mtlx"), text).unwrap();
-    toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nmaterialx = \"list.mtlx\"\n"))
+    with_material("file = \"list.mtlx\"")
 }
 
-fn picture(name: &'static str) -> (&'static str, Vec<u8>) {
-    toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\nbase_color = \"{name}\"\n"))
+fn picture(name: &str) -> (&'static str, Vec<u8>) {
+    with_material(&format!("base_color = {{ file = \"{name}\" }}"))
+}
+
+/// A table of a profile.
+fn csv(folder: &Path, text: String) -> (&'static str, Vec<u8>) {
+    std::fs::write(folder.join("list.csv"), text).unwrap();
+    with_material("subsurface_table = \"list.csv\"")
+}
+
+/// A ball of a material with this line.
+fn with_material(line: &str) -> (&'static str, Vec<u8>) {
+    toml(format!("{BALL}material = \"m\"\n[[material]]\nname = \"m\"\n{line}\n"))
 }
 
 fn check(lists: &[(&str, List)]) {

@@ -61,7 +61,8 @@ mod mixture;
 mod multiscatter;
 mod parameter;
 mod preset;
-mod primaries;
+#[doc(hidden)]
+pub mod primaries;
 mod rule;
 mod skin;
 mod system;
@@ -79,7 +80,7 @@ pub use cycles_material::{CyclesMaterial, CyclesMethod};
 pub use cycles_walk::CyclesWalk;
 pub use mixed_texels::TexelMixer;
 pub use mixture::MixedChannel;
-pub use parameter::{LengthUnit, Parameter, Role};
+pub use parameter::{Parameter, Role};
 pub use preset::{Preset, preset, presets};
 pub use primaries::{LINEAR_SPACES, rgb_from_rgb};
 pub use system::{Equal, Source, System, Written};

@@ -1,7 +1,5 @@
 //! The parameters by which a system is told a material.
 
-use super::Unit;
-
 /// Name of the mean cosine of Cycles' walks.
 pub(super) const WALK_G: &str = "subsurface_anisotropy";
 
@@ -51,6 +49,11 @@ pub enum Role {
 }
 
 impl Role {
+    /// The parameter of a name that has this role.
+    pub(super) const fn named(self, name: &'static str) -> Parameter {
+        Parameter { name, role: self }
+    }
+
     /// Returns whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
         matches!(self, Self::Length | Self::Attenuation | Self::Filter | Self::Absorption | Self::Scattering)
@@ -67,41 +70,6 @@ impl Role {
             Self::Length | Self::Distance | Self::Attenuation | Self::Filter => 1.0,
             Self::Factor { default, .. } | Self::Setting { default, .. } => default,
             Self::Absorption | Self::Scattering => 0.0,
-        }
-    }
-}
-
-/// Unit of a system's length, the product of its parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LengthUnit {
-    /// The unit that the scene is modeled in, whatever it is.
-    Scene,
-    /// Millimeters.
-    Millimeter,
-    /// Centimeters.
-    Centimeter,
-    /// Meters.
-    Meter,
-}
-
-impl LengthUnit {
-    /// The unit's abbreviation; none where it is that of the scene.
-    pub fn name(self) -> Option<&'static str> {
-        match self {
-            Self::Scene => None,
-            Self::Millimeter => Some("mm"),
-            Self::Centimeter => Some("cm"),
-            Self::Meter => Some("m"),
-        }
-    }
-
-    /// Millimeters in one unit, `scene` being that of the scene.
-    pub(super) fn in_millimeters(self, scene: Unit) -> f64 {
-        match self {
-            Self::Scene => scene.in_millimeters(),
-            Self::Millimeter => 1.0,
-            Self::Centimeter => 10.0,
-            Self::Meter => 1000.0,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Linear color spaces by name, and the matrices between them.
 
-type Matrix = [[f64; 3]; 3];
+/// Three rows of three numbers.
+pub type Matrix = [[f64; 3]; 3];
 
 const D65: [f64; 2] = [0.3127, 0.329];
 /// The white of ACES, near D60.
@@ -20,7 +21,7 @@ const PRIMARIES: [[[f64; 2]; 4]; 5] = [
 ];
 
 /// Cones of red, green and blue by X, Y, Z (Bradford, K. M. Lam 1985).
-const CONES: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+pub const CONES: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 /// The matrix, row by row, from the linear channels of one color space of [`LINEAR_SPACES`] to those of another, with white as
 /// white; none if a name is not known.
@@ -65,16 +66,18 @@ fn diagonal(values: [f64; 3]) -> Matrix {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| if row == column { values[row] } else { 0.0 }))
 }
 
-fn apply(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
+/// Product of a matrix and a vector.
+pub fn apply(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
 }
 
-fn times(left: &Matrix, right: &Matrix) -> Matrix {
+/// Product of two matrices.
+pub fn times(left: &Matrix, right: &Matrix) -> Matrix {
     left.map(|row| [0, 1, 2].map(|column| (0..3).map(|i| row[i] * right[i][column]).sum()))
 }
 
 /// Inverse by cofactors.
-fn inverse(m: &Matrix) -> Matrix {
+pub fn inverse(m: &Matrix) -> Matrix {
     let cofactor = |row: usize, column: usize| {
         let ([a, b], [c, d]) = ([(row + 1) % 3, (row + 2) % 3], [(column + 1) % 3, (column + 2) % 3]);
         m[a][c] * m[b][d] - m[a][d] * m[b][c]

@@ -2,7 +2,7 @@
 
 use super::parameter::WALK_G;
 use super::rule::{Factor, Rule};
-use super::{Channel, CyclesMethod, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo, multiscatter};
+use super::{Channel, CyclesMethod, CyclesWalk, Parameter, Role, SurfaceAlbedo, Unit, multiscatter};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
@@ -21,8 +21,9 @@ pub struct System {
     pub albedo_name: Option<&'static str>,
     /// The parameters, in the order of the values that [`read`](Self::read) takes.
     pub parameters: &'static [Parameter],
-    /// Unit of lengths, and the reciprocal of coefficients' unit.
-    pub unit: LengthUnit,
+    /// Unit of the length, the product of the parameters, and the reciprocal of coefficients' unit; none where it is the unit that
+    /// the scene is modeled in, whatever that is.
+    pub unit: Option<Unit>,
     pub(super) rule: Rule,
     /// The method of Cycles, if the system is one; a walk is told a color that is not the surface albedo.
     pub(super) cycles: Option<CyclesMethod>,

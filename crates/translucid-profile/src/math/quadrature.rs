@@ -8,13 +8,20 @@ use std::sync::OnceLock;
 /// Newton's iteration on the Legendre polynomial Pₙ from Tricomi's guess cos(π (i + ¾)/(n + ½)); exact to
 /// rounding for polynomials up to degree 2n − 1.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    (0..n).map(|i| gauss_legendre_point(n, i)).collect()
+    if (1..=MOST_SHARED).contains(&n) { shared_gauss_legendre(n).to_vec() } else { worked_out(n) }
 }
+
+/// Points of the largest rule that is kept.
+const MOST_SHARED: usize = 64;
 
 /// The rule of [`gauss_legendre`] with 1 ≤ n ≤ 64 points, worked out when it is first asked for: 20 points take 20 µs.
 pub(crate) fn shared_gauss_legendre(n: usize) -> &'static [(f64, f64)] {
-    static RULES: [OnceLock<Vec<(f64, f64)>>; 64] = [const { OnceLock::new() }; 64];
-    RULES[n - 1].get_or_init(|| gauss_legendre(n))
+    static RULES: [OnceLock<Vec<(f64, f64)>>; MOST_SHARED] = [const { OnceLock::new() }; MOST_SHARED];
+    RULES[n - 1].get_or_init(|| worked_out(n))
+}
+
+fn worked_out(n: usize) -> Vec<(f64, f64)> {
+    (0..n).map(|i| gauss_legendre_point(n, i)).collect()
 }
 
 fn gauss_legendre_point(n: usize, i: usize) -> (f64, f64) {

@@ -27,6 +27,40 @@ pub enum Parameterization {
     Dmfp,
 }
 
+impl Configuration {
+    /// Every configuration by its name, in the order of the variants.
+    pub const WORDS: [(&'static str, Self); 2] =
+        [("searchlight", Self::Searchlight), ("diffuse", Self::Diffuse)];
+
+    /// The name that commands and scene files use.
+    pub fn name(self) -> &'static str {
+        Self::WORDS[self as usize].0
+    }
+
+    /// The configuration of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, configuration)| configuration)
+    }
+}
+
+impl Parameterization {
+    /// Every parameterization by its name, in the order of the variants.
+    pub const WORDS: [(&'static str, Self); 2] = [("mfp", Self::Mfp), ("dmfp", Self::Dmfp)];
+
+    /// The name that commands and scene files use.
+    pub fn name(self) -> &'static str {
+        Self::WORDS[self as usize].0
+    }
+
+    /// The configuration for which the parameterization is fitted in other renderers: the one that is taken where none is named.
+    pub fn usual_configuration(self) -> Configuration {
+        match self {
+            Self::Mfp => Configuration::Diffuse,
+            Self::Dmfp => Configuration::Searchlight,
+        }
+    }
+}
+
 /// Scale s(A) from the mean free path ℓ in the searchlight configuration, dimensionless.
 ///
 /// ```text

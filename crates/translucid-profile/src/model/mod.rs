@@ -14,6 +14,7 @@ pub(crate) mod sum_of_gaussians;
 
 use crate::error::{ParameterError, require};
 use crate::medium::similarity::is_plain;
+use crate::rows::values;
 use crate::{
     Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, Medium,
     NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion,
@@ -66,34 +67,27 @@ pub enum Model {
 }
 
 impl Model {
-    /// Every model.
-    pub const ALL: [Self; 10] = [
-        Self::NormalizedDiffusion,
-        Self::NormalizedDiffusionRefined,
-        Self::NormalizedDiffusionOblique,
-        Self::Dipole,
-        Self::BetterDipole,
-        Self::DirectionalDipole,
-        Self::QuantizedDiffusion,
-        Self::PhotonBeamDiffusion,
-        Self::Gaussians,
-        Self::Exact,
+    /// Every model with its name and a few words, in the order of the variants.
+    #[rustfmt::skip]
+    const ROWS: [(Self, [&'static str; 2]); 10] = [
+        (Self::NormalizedDiffusion, ["normalized-diffusion", "Burley's normalized diffusion [Christensen & Burley 2015]"]),
+        (Self::NormalizedDiffusionRefined, ["normalized-diffusion-refined", "Four exponentials, fitted to the exact solution"]),
+        (Self::NormalizedDiffusionOblique, ["normalized-diffusion-oblique", "Four exponentials, of light at any angle, fitted likewise"]),
+        (Self::Dipole, ["dipole", "The standard dipole of diffusion theory [Jensen et al. 2001]"]),
+        (Self::BetterDipole, ["better-dipole", "The better dipole, with Grosjean's diffusion [d'Eon 2012]"]),
+        (Self::DirectionalDipole, ["directional-dipole", "The directional dipole, of light at any angle [Frisvad et al. 2014]"]),
+        (Self::QuantizedDiffusion, ["quantized-diffusion", "Quantized diffusion: an extended source [d'Eon & Irving 2011]"]),
+        (Self::PhotonBeamDiffusion, ["photon-beam-diffusion", "Photon beam diffusion with single scattering [Habel et al. 2013]"]),
+        (Self::Gaussians, ["gaussians", "A sum of Gaussians, fitted to the exact solution [d'Eon & Luebke 2007]"]),
+        (Self::Exact, ["exact", "The exact solution of isotropic scattering, as a table [Rybicki 1971]"]),
     ];
+
+    /// Every model.
+    pub const ALL: [Self; 10] = values(&Self::ROWS);
 
     /// The name that commands and scene files use.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::NormalizedDiffusion => "normalized-diffusion",
-            Self::NormalizedDiffusionRefined => "normalized-diffusion-refined",
-            Self::NormalizedDiffusionOblique => "normalized-diffusion-oblique",
-            Self::Dipole => "dipole",
-            Self::BetterDipole => "better-dipole",
-            Self::DirectionalDipole => "directional-dipole",
-            Self::QuantizedDiffusion => "quantized-diffusion",
-            Self::PhotonBeamDiffusion => "photon-beam-diffusion",
-            Self::Gaussians => "gaussians",
-            Self::Exact => "exact",
-        }
+        Self::ROWS[self as usize].1[0]
     }
 
     /// The model of a name.
@@ -103,18 +97,7 @@ impl Model {
 
     /// The model in a few words, with its source.
     pub const fn description(self) -> &'static str {
-        match self {
-            Self::NormalizedDiffusion => "Burley's normalized diffusion [Christensen & Burley 2015]",
-            Self::NormalizedDiffusionRefined => "Four exponentials, fitted to the exact solution",
-            Self::NormalizedDiffusionOblique => "Four exponentials, of light at any angle, fitted likewise",
-            Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
-            Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
-            Self::DirectionalDipole => "The directional dipole, of light at any angle [Frisvad et al. 2014]",
-            Self::QuantizedDiffusion => "Quantized diffusion: an extended source [d'Eon & Irving 2011]",
-            Self::PhotonBeamDiffusion => "Photon beam diffusion with single scattering [Habel et al. 2013]",
-            Self::Gaussians => "A sum of Gaussians, fitted to the exact solution [d'Eon & Luebke 2007]",
-            Self::Exact => "The exact solution of isotropic scattering, as a table [Rybicki 1971]",
-        }
+        Self::ROWS[self as usize].1[1]
     }
 
     /// Returns whether the model knows boundaries (η) and phase functions (g); the others are made for an

@@ -450,19 +450,7 @@ impl ProfileView<'_> {
 impl Profile for ProfileView<'_> {
     methods_of!(|own| (*own); all);
 
-    fn beyond(&self, r: f64) -> f64 {
-        self.surface_albedo * self.complementary_cdf(r)
-    }
-
-    fn surface_albedo(&self) -> f64 {
-        self.surface_albedo
-    }
-
     fn scale(&self) -> f64 {
         1.0 / self.scales[0]
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 }

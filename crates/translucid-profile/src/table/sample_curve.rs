@@ -6,14 +6,16 @@ use crate::error::{ParameterError, require};
 use crate::math::monotone_cubic::MonotoneCubic;
 use crate::math::quadrature::{integrate, shared_gauss_legendre};
 
+/// Fewest points that make a profile.
+const POINTS_MIN: usize = 4;
+/// Least ratio of a radius to the one before it, so that their logarithms differ.
+const RATIO_MIN: f64 = 1.0 + 1e-9;
 /// Points of the Gauss rule on each half of a cell, on which ln(r R) is a cubic in ln r.
 const POINTS: usize = 8;
 /// The most that r R of a sample of 0 between others counts as, relative to the greatest.
 const FLOOR: f64 = 1e-12;
 /// Natural logarithm by which radius or r R change over one cell at most.
 const CELL: f64 = 0.1;
-/// Least ratio of a radius to the one before it, so that their logarithms differ.
-const RATIO_MIN: f64 = 1.0 + 1e-9;
 
 /// Curve through samples (r, R): a monotone cubic of ln(r R) in ln r between them, r R a straight line before the first
 /// and an exponential behind the last.
@@ -41,6 +43,8 @@ impl SampleCurve {
         let unit: Vec<f64> = radii[..count].iter().map(|r| r / length).collect();
         let samples = unit.iter().zip(reflectances);
         let densities: Vec<f64> = samples.map(|(x, value)| (x * length) * value * length).collect();
+        let most = densities.iter().copied().fold(0.0, f64::max);
+        require(most < f64::INFINITY, "greatest r R times a radius", most, "finite")?;
         let floor = floor_of(&densities);
         let xs: Vec<f64> = unit.iter().map(|x| libm::log(*x)).collect();
         let ys: Vec<f64> = densities.iter().map(|density| libm::log(density.max(floor))).collect();
@@ -89,20 +93,52 @@ impl SampleCurve {
 
 /// Checks samples, and tells how many there are up to the last with light.
 fn check_samples(radii: &[f64], reflectances: &[f64]) -> Result<usize, ParameterError> {
-    let count = reflectances.len();
-    require(radii.len() == count, "number of reflectances", count as f64, "that of radii")?;
-    let mut before = 0.0;
-    for &r in radii {
-        let allowed = "greater than the one before by 1e-9 of itself, in (0, 1e100]";
-        require(r > before * RATIO_MIN && r <= 1e100, "radius", r, allowed)?;
-        before = r;
-    }
-    for &reflectance in reflectances {
-        require((0.0..=1e200).contains(&reflectance), "reflectance", reflectance, "in [0, 1e200]")?;
-    }
-    let count = count - reflectances.iter().rev().take_while(|&&reflectance| reflectance == 0.0).count();
+    check_radii(radii)?;
+    check_reflectances(radii, reflectances)?;
+    let count =
+        radii.len() - reflectances.iter().rev().take_while(|&&reflectance| reflectance == 0.0).count();
     require(count >= 4, "number of radii up to the last with light", count as f64, "at least 4")?;
     Ok(count)
+}
+
+pub(super) fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
+    require(radii.len() >= POINTS_MIN, "number of radii", radii.len() as f64, "at least 4")?;
+    let mut before = 0.0;
+    for (i, r) in radii.iter().enumerate() {
+        let allowed = "in [1e-150, 1e150] and greater than the one before by 1e-9 of itself; its index is";
+        require_of(i, *r > before * RATIO_MIN && *r < 1e150 && *r > 1e-150, "radius", *r, allowed)?;
+        before = *r;
+    }
+    Ok(())
+}
+
+pub(super) fn check_reflectances(radii: &[f64], reflectances: &[f64]) -> Result<(), ParameterError> {
+    check_count("number of reflectances", reflectances, radii)?;
+    for (i, value) in reflectances.iter().enumerate() {
+        require_of(i, (0.0..1e300).contains(value), "reflectance", *value, "in [0, 1e300); its index is")?;
+    }
+    Ok(())
+}
+
+pub(super) fn check_count(
+    parameter: &'static str,
+    values: &[f64],
+    radii: &[f64],
+) -> Result<(), ParameterError> {
+    let count = values.len();
+    require_of(radii.len(), count == radii.len(), parameter, count as f64, "that of the radii,")
+}
+
+/// Demands as [`require`] does what ends in a number: the index of one of many values, or how many there must be.
+pub(super) fn require_of(
+    number: usize,
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), ParameterError> {
+    let numbered = |error| ParameterError { limit: Some(number as f64), ..error };
+    require(holds, parameter, value, allowed).map(drop).map_err(numbered)
 }
 
 /// Value that a sample of 0 counts as.

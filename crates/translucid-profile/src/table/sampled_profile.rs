@@ -11,10 +11,10 @@ use crate::math::monotone_cubic::monotone_slopes;
 use crate::profile::Profile;
 use crate::table::monotone_cell::{Cell, Knot, RadialCell};
 use crate::table::radial_table::Tail;
-use crate::table::sample_curve::{SampleCurve, falling_rate};
+use crate::table::sample_curve::{
+    SampleCurve, check_count, check_radii, check_reflectances, falling_rate, require_of,
+};
 
-/// Fewest points that make a profile.
-const POINTS_MIN: usize = 4;
 /// Points that tell how the profile falls at the end: those beyond this part of the last radius, or as many.
 const TAIL_PART: f64 = 0.75;
 const TAIL_POINTS: usize = 3;
@@ -77,8 +77,8 @@ impl SampledProfile {
     ///
     /// # Errors
     /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not
-    /// greater than the one before; an energy is less than the one before or not finite; the last ring does not
-    /// have less than the one before, per length. The error names the value and, as its limit, the index.
+    /// greater than the one before by 1e-9 of itself; an energy is less than the one before or not finite; the last ring
+    /// does not have less than the one before, per length. The error names the value and, as its limit, the index.
     pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
         check_radii(radii)?;
         check_enclosed(radii, enclosed)?;
@@ -275,25 +275,6 @@ fn rate_of_last(radii: &[f64], densities: &[f64]) -> Result<f64, ParameterError>
     )
 }
 
-fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
-    require(radii.len() >= POINTS_MIN, "number of radii", radii.len() as f64, "at least 4")?;
-    let mut before = 0.0;
-    for (i, r) in radii.iter().enumerate() {
-        let allowed = "in [1e-150, 1e150] and greater than the one before; its index is";
-        require_of(i, *r > before && *r < 1e150 && *r > 1e-150, "radius", *r, allowed)?;
-        before = *r;
-    }
-    Ok(())
-}
-
-fn check_reflectances(radii: &[f64], reflectances: &[f64]) -> Result<(), ParameterError> {
-    check_count("number of reflectances", reflectances, radii)?;
-    for (i, value) in reflectances.iter().enumerate() {
-        require_of(i, (0.0..1e300).contains(value), "reflectance", *value, "in [0, 1e300); its index is")?;
-    }
-    Ok(())
-}
-
 fn check_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<(), ParameterError> {
     check_count("number of enclosed energies", enclosed, radii)?;
     let mut before = 0.0;
@@ -303,23 +284,6 @@ fn check_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<(), ParameterError>
         before = *value;
     }
     Ok(())
-}
-
-fn check_count(parameter: &'static str, values: &[f64], radii: &[f64]) -> Result<(), ParameterError> {
-    let count = values.len();
-    require_of(radii.len(), count == radii.len(), parameter, count as f64, "that of the radii,")
-}
-
-/// Demands as [`require`] does what ends in a number: the index of one of many values, or how many there must be.
-fn require_of(
-    number: usize,
-    holds: bool,
-    parameter: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), ParameterError> {
-    let numbered = |error| ParameterError { limit: Some(number as f64), ..error };
-    require(holds, parameter, value, allowed).map(drop).map_err(numbered)
 }
 
 #[cfg(test)]
@@ -458,6 +422,7 @@ mod tests {
         refuse(&[1.0, 2.0, 3.0, f64::INFINITY], &[4.0, 3.0, 2.0, 1.0], "radius is inf");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[4.0, -3.0, 2.0, 1.0], "reflectance is -3");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[4.0, f64::NAN, 2.0, 1.0], "reflectance is NaN");
+        refuse(&[1e99, 2e99, 3e99, 4e99], &[1e200, 1e100, 1e99, 1e98], "greatest r R times a radius is inf");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[1.0, 2.0, 3.0, 4.0], "has to fall");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[0.0; 4], "at least 4");
     }

@@ -36,17 +36,8 @@ impl TableProfile {
 
 impl Profile for TableProfile {
     methods_of!(|own| own.view(); all);
-    methods_of!(|own| own.view(); beyond);
-
-    fn surface_albedo(&self) -> f64 {
-        self.view().surface_albedo()
-    }
 
     fn scale(&self) -> f64 {
         self.view().scale()
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 }

@@ -227,19 +227,7 @@ impl TabulatedProfile {
 impl Profile for TabulatedProfile {
     methods_of!(|own| own; all);
 
-    fn beyond(&self, r: f64) -> f64 {
-        self.surface_albedo * self.complementary_cdf(r)
-    }
-
-    fn surface_albedo(&self) -> f64 {
-        self.surface_albedo
-    }
-
     fn scale(&self) -> f64 {
         self.length
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 }

@@ -663,8 +663,7 @@ fn errors_of_energies_say_which() {
     let (radii, good) = ([1.0, 2.0, 3.0, 4.0], [0.1, 0.2, 0.27, 0.3]);
     assert!(TabulatedProfile::from_enclosed(&radii, &good).is_ok());
     assert_eq!(error(&radii[..3], &good[..3]), "number of radii is 3, but must be at least 4");
-    let expected =
-        "radius is 2, but must be in [1e-150, 1e150] and greater than the one before; its index is 2";
+    let expected = "radius is 2, but must be in [1e-150, 1e150] and greater than the one before by 1e-9 of itself; its index is 2";
     assert_eq!(error(&[1.0, 2.0, 2.0, 3.0], &good), expected);
     assert!(error(&[f64::NAN, 2.0, 3.0, 4.0], &good).starts_with("radius is NaN"));
     assert_eq!(

@@ -8,9 +8,9 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use translucid_profile::{Configuration, half_space_single_scattering_albedo};
 use translucid_testing::power;
 
+use super::photon::Fate;
 use super::{Body, Interior, Lighting, PhotonEnd, Shape, Tally};
-use crate::walk::{Parameters, PhaseFunction, Problem, Side, trace};
-use crate::{Estimate, Incidence};
+use crate::Estimate;
 
 fn photons() -> u64 {
     power(200_000)
@@ -114,7 +114,8 @@ fn first_collisions_of_a_sphere_have_their_closed_form() {
         let body = Body::new(Shape::Sphere { radius }, isotropic(1.0), Lighting::Uniform).unwrap();
         let tally = Tally::of_photons(1, photons(), 11, |random| {
             let end = body.photon(random);
-            PhotonEnd { part: end.part.map(|_| 0), collisions: u64::from(end.collisions == 1) }
+            let fate = if let Fate::Left(_) = end.fate { Fate::Left(0) } else { end.fate };
+            PhotonEnd { fate, collisions: u64::from(end.collisions == 1), ..end }
         });
         let escape = |r: f64| {
             let chord = |mu: f64| (r * r * mu * mu + radius * radius - r * r).sqrt() - r * mu;
@@ -149,41 +150,6 @@ fn absorbed_light_is_that_of_the_collisions() {
             .sum();
         assert!((parts - tally.leaving().value).abs() < 1e-12);
         assert_eq!(tally.photons(), photons());
-    }
-}
-
-/// A slab with a phase function and a boundary against the vector kernel, which shares no code.
-#[test]
-fn slab_agrees_with_the_walk_of_tables() {
-    for (g, eta, alpha) in [(0.8, 1.4, 0.95), (-0.5, 1.0, 0.9), (0.3, 0.8, 0.7)] {
-        let (light, incidence) = (Lighting::Uniform, Incidence::Cosine);
-        let medium = Interior { single_scattering_albedo: alpha, g, eta };
-        let tally = walk(Shape::Slab { thickness: 2.0 }, medium, light);
-        let phase_function = PhaseFunction::HenyeyGreenstein { g };
-        let problem = Problem::new(Parameters {
-            phase_function,
-            eta,
-            thickness: 2.0,
-            incidence,
-            ..Parameters::default()
-        })
-        .unwrap();
-        let mut sides = [[0_u64; 2]; 2];
-        trace(&problem, alpha, 3, 0..photons(), &mut |exits| {
-            for exit in exits {
-                sides[usize::from(exit.side == Side::Transmitted)][usize::from(exit.order == 0)] += 1;
-            }
-        });
-        for (part, counts) in sides.iter().enumerate() {
-            for (straight, found) in
-                [tally.scattered_through(part), tally.straight_through(part)].iter().enumerate()
-            {
-                let other = counts[straight] as f64 / photons() as f64;
-                // Both are counts of equally many photons
-                let both = Estimate { error: (found.error * 2.0_f64.sqrt()).max(1e-5), ..*found };
-                assert_near(&format!("g {g} η {eta} part {part} straight {straight}"), both, other);
-            }
-        }
     }
 }
 

@@ -35,10 +35,14 @@
 //! # }
 //! ```
 
-mod photon;
+#[cfg(test)]
+pub(crate) mod layered;
+pub(crate) mod photon;
 mod shape;
 mod tally;
 mod two_halves;
+
+use std::f64::consts::TAU;
 
 use translucid_profile::{ParameterError, require};
 
@@ -46,9 +50,9 @@ pub use shape::{SPHERE_RINGS, Shape};
 pub use tally::Tally;
 pub use two_halves::{Half, TwoHalves};
 
+use crate::ray::{Ray, Vector, across, henyey_greenstein};
 use crate::split_mix::SplitMix;
-use photon::follow;
-use tally::PhotonEnd;
+use photon::{PhotonEnd, Space, Wall, follow};
 
 /// Substance of a body, whose mean free path is the unit of length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +108,23 @@ impl Body {
 
     fn photon(&self, random: &mut SplitMix) -> PhotonEnd {
         let start = self.shape.start(self.lighting, self.interior.eta, random);
-        follow(&self.shape, &self.interior, start, random)
+        follow(self, 0, start, random)
+    }
+}
+
+/// One region, whose mean free path is the unit of length.
+impl Space for Body {
+    fn single_scattering_albedo(&self, _: usize) -> f64 {
+        self.interior.single_scattering_albedo
+    }
+
+    fn scatter(&self, _: usize, direction: Vector, random: &mut SplitMix) -> Vector {
+        let cosine = henyey_greenstein(self.interior.g, random);
+        across(direction, cosine, TAU * random.uniform())
+    }
+
+    fn wall(&self, _: usize, ray: &Ray) -> Option<Wall> {
+        self.shape.wall(self.interior.eta, ray)
     }
 }
 

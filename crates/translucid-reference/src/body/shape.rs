@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use translucid_profile::{ParameterError, fresnel_from_outside, require};
 
 use super::Lighting;
+use super::photon::{Beyond, Wall};
 use crate::ray::{Ray, Vector, across, dot};
 use crate::split_mix::SplitMix;
 
@@ -31,16 +32,6 @@ pub enum Shape {
         /// Distance of the point where light enters from the edge, greater than 0 and finite.
         distance: f64,
     },
-}
-
-/// Place where a flight leads out of a body.
-pub(super) struct Wall {
-    /// Length of the flight, at least 0.
-    pub(super) distance: f64,
-    /// Part of the surface.
-    pub(super) part: usize,
-    /// Unit normal that points inside.
-    pub(super) inward: Vector,
 }
 
 impl Shape {
@@ -70,10 +61,10 @@ impl Shape {
         }
     }
 
-    /// The surface that a ray inside meets; `None` where it meets none.
-    pub(super) fn wall(&self, ray: &Ray) -> Option<Wall> {
+    /// The surface that a ray inside meets, of a body with a relative index of refraction; `None` where it meets none.
+    pub(super) fn wall(&self, eta: f64, ray: &Ray) -> Option<Wall> {
         let Ray { position, direction } = *ray;
-        match *self {
+        let (part, distance, inward) = match *self {
             Self::Sphere { radius } => {
                 let along = dot(position, direction);
                 let squared = along * along + radius * radius - dot(position, position);
@@ -82,17 +73,18 @@ impl Shape {
                     std::array::from_fn(|i| -(position[i] + distance * direction[i]) / radius);
                 let share = 0.5 * (1.0 + inward[2]);
                 let part = ((share * SPHERE_RINGS as f64) as usize).min(SPHERE_RINGS - 1);
-                Some(Wall { distance, part, inward })
+                (part, distance, inward)
             }
             Self::Slab { thickness } => {
                 let planes = [([0.0, 0.0, 1.0], 0.0), ([0.0, 0.0, -1.0], -thickness)];
-                nearest(planes, position, direction)
+                nearest(planes, ray)?
             }
             Self::Wedge { angle, .. } => {
                 let planes = [([0.0, 0.0, 1.0], 0.0), ([libm::sin(angle), 0.0, -libm::cos(angle)], 0.0)];
-                nearest(planes, position, direction)
+                nearest(planes, ray)?
             }
-        }
+        };
+        Some(Wall { distance, inward, eta, beyond: Beyond::Outside(part) })
     }
 
     /// Draws the ray along which light enters, already refracted.
@@ -100,11 +92,7 @@ impl Shape {
         loop {
             let (position, inward, cosine, azimuth) = self.arrival(lighting, random);
             if random.uniform() >= fresnel_from_outside(cosine, eta) {
-                let sine = (1.0 - cosine * cosine).max(0.0).sqrt() / eta;
-                return Ray {
-                    position,
-                    direction: across(inward, (1.0 - sine * sine).max(0.0).sqrt(), azimuth),
-                };
+                return Ray::entering(position, inward, [cosine, azimuth], eta);
             }
         }
     }
@@ -144,12 +132,15 @@ impl Shape {
     }
 }
 
-/// The nearer of two planes n·x = offset, with inside where n·x is greater.
-fn nearest(planes: [(Vector, f64); 2], position: Vector, direction: Vector) -> Option<Wall> {
+/// The nearer of two planes n·x = offset, with inside where n·x is greater: its number, distance and normal.
+pub(super) fn nearest(
+    planes: [(Vector, f64); 2],
+    Ray { position, direction }: &Ray,
+) -> Option<(usize, f64, Vector)> {
     let walls = planes.iter().enumerate().filter_map(|(part, &(inward, offset))| {
-        let approach = -dot(inward, direction);
-        let distance = ((dot(inward, position) - offset) / approach).max(0.0);
-        (approach > 0.0).then_some(Wall { distance, part, inward })
+        let approach = -dot(inward, *direction);
+        let distance = ((dot(inward, *position) - offset) / approach).max(0.0);
+        (approach > 0.0).then_some((part, distance, inward))
     });
-    walls.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    walls.min_by(|a, b| a.1.total_cmp(&b.1))
 }

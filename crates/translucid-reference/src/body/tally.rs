@@ -2,16 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::photon::{Fate, PhotonEnd};
 use crate::Estimate;
 use crate::split_mix::SplitMix;
-
-/// End of a photon's walk.
-pub(super) struct PhotonEnd {
-    /// The part of the surface through which it left; `None` if it was absorbed.
-    pub(super) part: Option<usize>,
-    /// Collisions, the one that absorbed it included.
-    pub(super) collisions: u64,
-}
 
 /// Photons that one thread follows in a row.
 const CHUNK: u64 = 4096;
@@ -55,7 +48,7 @@ impl Tally {
     fn count(&mut self, end: &PhotonEnd) {
         self.photons += 1;
         self.collisions += end.collisions;
-        if let Some(part) = end.part {
+        if let Fate::Left(part) = end.fate {
             let counts = if end.collisions > 0 { &mut self.scattered } else { &mut self.straight };
             counts[part] += 1;
         }

@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use translucid_profile::{ParameterError, require};
 
-use super::tally::{PhotonEnd, Tally};
-use crate::ray::{Ray, across};
+use super::photon::{Beyond, Space, Wall, follow};
+use super::shape::nearest;
+use super::tally::Tally;
+use crate::ray::{Ray, Vector, across};
 use crate::split_mix::SplitMix;
 
 /// A medium that scatters isotropically, without a boundary.
@@ -42,56 +44,34 @@ impl TwoHalves {
     /// As paths of light can be reversed, the share that leaves through a part is the radiosity at x where that part
     /// alone is lit evenly.
     pub fn walk(&self, x: f64, photons: u64, seed: u64) -> Tally {
-        Tally::of_photons(2, photons, seed, |random| self.photon(x, random))
+        Tally::of_photons(2, photons, seed, |random| {
+            let direction = across(INWARD, random.uniform().sqrt(), TAU * random.uniform());
+            follow(self, usize::from(x >= 0.0), Ray { position: [x, 0.0, 0.0], direction }, random)
+        })
+    }
+}
+
+const INWARD: Vector = [0.0, 0.0, 1.0];
+
+/// Regions 0 and 1 are the halves.
+impl Space for TwoHalves {
+    fn extinction(&self, half: usize) -> f64 {
+        1.0 / self.halves[half].mfp
     }
 
-    fn photon(&self, x: f64, random: &mut SplitMix) -> PhotonEnd {
-        let up = [0.0, 0.0, 1.0];
-        let direction = across(up, random.uniform().sqrt(), TAU * random.uniform());
-        let mut ray = Ray { position: [x, 0.0, 0.0], direction };
-        let mut collisions = 0;
-        loop {
-            let Some(half) = self.fly(&mut ray, random) else {
-                return PhotonEnd { part: Some(usize::from(ray.position[0] >= 0.0)), collisions };
-            };
-            collisions += 1;
-            if random.uniform() >= self.halves[half].single_scattering_albedo {
-                return PhotonEnd { part: None, collisions };
-            }
-            ray.direction = across(up, 2.0 * random.uniform() - 1.0, TAU * random.uniform());
-        }
+    fn single_scattering_albedo(&self, half: usize) -> f64 {
+        self.halves[half].single_scattering_albedo
     }
 
-    /// Flies to the next collision; the half that has it, `None` where the photon leaves before.
-    fn fly(&self, ray: &mut Ray, random: &mut SplitMix) -> Option<usize> {
-        let mut depth = -libm::log(random.uniform());
-        let Ray { position, direction } = *ray;
-        let mut left = if direction[2] < 0.0 { -position[2] / direction[2] } else { f64::INFINITY };
-        // A photon on the divide is in the half that it flies into
-        let mut half = if position[0] == 0.0 {
-            usize::from(direction[0] >= 0.0)
-        } else {
-            usize::from(position[0] > 0.0)
-        };
-        loop {
-            let mfp = self.halves[half].mfp;
-            let to_divide = -ray.position[0] / direction[0];
-            let wall = if to_divide > 0.0 { to_divide } else { f64::INFINITY };
-            let flight = depth * mfp;
-            if flight < wall.min(left) {
-                ray.advance(flight);
-                return Some(half);
-            }
-            if left <= wall {
-                ray.advance(left);
-                return None;
-            }
-            ray.advance(wall);
-            ray.position[0] = 0.0;
-            depth -= wall / mfp;
-            left -= wall;
-            half = 1 - half;
-        }
+    fn scatter(&self, _: usize, _: Vector, random: &mut SplitMix) -> Vector {
+        across(INWARD, 2.0 * random.uniform() - 1.0, TAU * random.uniform())
+    }
+
+    fn wall(&self, half: usize, ray: &Ray) -> Option<Wall> {
+        let divide = [2.0 * half as f64 - 1.0, 0.0, 0.0];
+        let (number, distance, inward) = nearest([(INWARD, 0.0), (divide, 0.0)], ray)?;
+        let beyond = if number == 0 { Beyond::Outside(half) } else { Beyond::Region(1 - half) };
+        Some(Wall { distance, inward, eta: 1.0, beyond })
     }
 }
 

@@ -164,12 +164,17 @@ impl DielectricHalfSpace {
     }
 }
 
-/// Surface albedo alone: R̂(0), without the profile's wave numbers; without a boundary of pencils only.
-pub(crate) fn total(single_scattering_albedo: f64, eta: f64, entrance: BoundaryEntrance) -> f64 {
-    let (dispersion, settings) = (Dispersion::new(single_scattering_albedo), DielectricSettings::default());
-    let wave_number = WaveNumber::real(&dispersion, 0.0);
-    let response = respond(&dispersion, wave_number, eta, settings.fine, &settings);
+/// R̂(k) alone, without the profile's wave numbers and without its error; without a boundary of pencils only.
+pub(crate) fn transform(dispersion: &Dispersion, eta: f64, entrance: BoundaryEntrance, k: f64) -> f64 {
+    let settings = DielectricSettings::default();
+    let wave_number = WaveNumber::real(dispersion, k.min(K_MAX));
+    let response = respond(dispersion, wave_number, eta, settings.fine, &settings);
     entrance.whole(&response, wave_number.k).re
+}
+
+/// Surface albedo alone: R̂(0).
+pub(crate) fn total(single_scattering_albedo: f64, eta: f64, entrance: BoundaryEntrance) -> f64 {
+    transform(&Dispersion::new(single_scattering_albedo), eta, entrance, 0.0)
 }
 
 fn respond(

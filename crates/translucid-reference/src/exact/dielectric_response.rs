@@ -19,6 +19,10 @@
 //! [`Directions`] has the nodes of both. Residuals are minimized over Krylov's space, where some six steps give
 //! 12 digits.
 
+use std::cell::Cell;
+use std::mem;
+
+use fearless_simd::{Level, dispatch};
 use num_complex::Complex64;
 
 use super::complex::{exp, exp_m1};
@@ -182,25 +186,50 @@ struct Cauchy {
     im: Vec<f64>,
 }
 
+thread_local! {
+    /// Room of the last matrix: fresh pages take as long as what is written to them.
+    static ROOM: Cell<[Vec<f64>; 2]> = const { Cell::new([Vec::new(), Vec::new()]) };
+}
+
+impl Drop for Cauchy {
+    fn drop(&mut self) {
+        ROOM.set([mem::take(&mut self.re), mem::take(&mut self.im)]);
+    }
+}
+
 impl Cauchy {
     fn new(s: &[Complex64]) -> Self {
+        let (s_re, s_im): (Vec<f64>, Vec<f64>) = s.iter().map(|z| (z.re, z.im)).unzip();
         let size = s.len();
-        let (mut re, mut im) = (Vec::with_capacity(size * size), Vec::with_capacity(size * size));
-        for a in s {
-            for b in s {
-                let (x, y) = (a.re + b.re, a.im + b.im);
+        let [mut re, mut im] = ROOM.take();
+        re.resize(size * size, 0.0);
+        im.resize(size * size, 0.0);
+        let mut matrix = Self { size, re, im };
+        dispatch!(Level::new(), _simd => matrix.fill(&s_re, &s_im));
+        matrix
+    }
+
+    #[inline(always)] // As `rows_times`
+    fn fill(&mut self, s_re: &[f64], s_im: &[f64]) {
+        let rows = self.re.chunks_exact_mut(self.size).zip(self.im.chunks_exact_mut(self.size));
+        for ((re, im), (a_re, a_im)) in rows.zip(s_re.iter().zip(s_im)) {
+            for ((re, im), (b_re, b_im)) in re.iter_mut().zip(im).zip(s_re.iter().zip(s_im)) {
+                let (x, y) = (a_re + b_re, a_im + b_im);
                 let scale = 1.0 / (x * x + y * y);
-                re.push(x * scale);
-                im.push(-y * scale);
+                (*re, *im) = (x * scale, -y * scale);
             }
         }
-        Self { size, re, im }
     }
 
     fn apply(&self, x: &[Complex64]) -> Vec<Complex64> {
         let (x_re, x_im): (Vec<f64>, Vec<f64>) = x.iter().map(|z| (z.re, z.im)).unzip();
-        let rows = self.re.chunks(self.size).zip(self.im.chunks(self.size));
-        rows.map(|(re, im)| row_times(re, im, &x_re, &x_im)).collect()
+        dispatch!(Level::new(), _simd => self.rows_times(&x_re, &x_im))
+    }
+
+    #[inline(always)] // Compiled for the instructions of the function that calls it
+    fn rows_times(&self, x_re: &[f64], x_im: &[f64]) -> Vec<Complex64> {
+        let rows = self.re.chunks_exact(self.size).zip(self.im.chunks_exact(self.size));
+        rows.map(|(re, im)| row_times(re, im, x_re, x_im)).collect()
     }
 
     /// g with g − C·(reflected g) = right: the generalized conjugate residual method (S. C. Eisenstat, H. C. Elman and
@@ -242,6 +271,7 @@ impl Cauchy {
 /// Sums that the processor may add up at once.
 const LANES: usize = 4;
 
+#[inline(always)] // As `rows_times`
 fn row_times(re: &[f64], im: &[f64], x_re: &[f64], x_im: &[f64]) -> Complex64 {
     let (mut sum_re, mut sum_im) = ([0.0; LANES], [0.0; LANES]);
     let whole = re.len() - re.len() % LANES;

@@ -77,7 +77,7 @@ impl HalfSpace {
     /// ever narrower range of angles.
     /// Totals are off by less: 2e-8 at η = 0.5, 5e-9 at 3, 1e-6 at 1.01, 8e-5 at 1.001 (parts of the total,
     /// [`Incidence::Cosine`], α = 0.5).
-    /// Takes 0.7 s of one core; all cores are used.
+    /// All cores are used.
     ///
     /// # Errors
     /// A parameter is outside its range, or a beam is totally reflected (η < 1).

@@ -47,6 +47,7 @@ mod oblique;
 mod oblique_single_scattering;
 mod seen_from_above;
 mod single_scattering;
+mod transform;
 
 pub use albedo::single_scattering_albedo;
 pub use half_space::HalfSpace;
@@ -54,6 +55,7 @@ pub use half_space_profile::HalfSpaceProfile;
 pub use oblique::ObliqueHalfSpace;
 pub use seen_from_above::SeenFromAbove;
 pub use single_scattering::SingleScattering;
+pub use transform::HalfSpaceTransform;
 
 /// A radius as the formulas need it: at least the least normal number; NaN counts as 0.
 fn positive_radius(r: f64) -> f64 {

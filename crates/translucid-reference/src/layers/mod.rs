@@ -25,8 +25,11 @@ pub use totals::Totals;
 pub use walk::{Grid, LayersTally, Quantity};
 
 use std::fmt;
+use std::sync::Arc;
 
 use translucid_profile::{ParameterError, require};
+
+use crate::phase_function::PhaseFunction;
 
 /// Ground below the last layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,6 +122,28 @@ impl Layers {
     /// Layers from top to bottom, of which there is at least one.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    /// Warnings of phase functions whose tables are too coarse for their peaks, by layer.
+    pub fn warnings(&self) -> Vec<String> {
+        let of = |(i, layer): (usize, &Layer)| {
+            layer.phase_function.warning().map(|warning| format!("layer {}: {warning}", i + 1))
+        };
+        self.layers.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// The layers with every second row of the tables of their phase functions; none if there are no tables.
+    pub fn thinned(&self) -> Option<Self> {
+        let thinned = |layer: &Layer| {
+            let PhaseFunction::Table(table) = &layer.phase_function else { return None };
+            Some(layer.clone().with_phase_function(PhaseFunction::Table(Arc::new(table.thinned()?))))
+        };
+        let found: Vec<Option<Layer>> = self.layers.iter().map(thinned).collect();
+        found.iter().any(Option::is_some).then(|| {
+            let layers =
+                found.into_iter().zip(&self.layers).map(|(own, layer)| own.unwrap_or_else(|| layer.clone()));
+            Self { layers: layers.collect(), ..self.clone() }
+        })
     }
 
     /// Ground below the last layer, [`Ground::None`] if that is infinitely thick and only then.

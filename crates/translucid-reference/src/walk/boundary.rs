@@ -1,10 +1,11 @@
-//! The faces of the medium: where photons cross them, and whether they get through.
+//! Layers and their faces, in single precision: where photons cross them, and whether they get through.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, mask32x16};
 
-use super::lanes::{Floats, FusedMulAdd};
-use super::{Problem, Side};
+use super::lanes::{Floats, FusedMulAdd, unit};
+use super::photons::Group;
+use super::scatter::Directions;
 
 /// A smooth boundary between two media, seen from one of them.
 #[derive(Clone, Copy, Debug)]
@@ -45,37 +46,90 @@ impl Interface {
     }
 }
 
-/// The faces z = 0 and, of a slab, z = thickness.
+/// Free path in a layer without collisions, in units of the walk: beyond every face.
+pub(crate) const CLEAR: f32 = 1e30;
+
+/// A layer, its lengths in units of the walk.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Boundary {
-    /// Thickness; infinite for the half space.
+pub(crate) struct Medium {
+    /// Mean free path.
+    pub(crate) mfp: f32,
+    /// Thickness; infinite for a half space.
     pub(crate) thickness: f32,
-    /// True where all light gets through: η = 1.
-    pub(crate) matched: bool,
-    /// Either face, from inside.
-    pub(crate) interface: Interface,
+    /// Depth of its top.
+    pub(crate) top: f32,
+    /// Part of the light that a collision absorbs, where light has weights.
+    pub(crate) absorbed: f32,
+    pub(crate) above: Face,
+    pub(crate) below: Face,
 }
 
-/// Position and direction of one photon.
+/// A face of a layer, seen from inside.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ray {
-    pub(crate) x: f32,
-    pub(crate) y: f32,
-    pub(crate) z: f32,
-    pub(crate) ux: f32,
-    pub(crate) uy: f32,
-    pub(crate) uz: f32,
+pub(crate) struct Face {
+    pub(crate) interface: Interface,
+    /// Index of refraction here over that beyond.
+    pub(crate) eta: f32,
+    pub(crate) beyond: Beyond,
 }
 
-impl Boundary {
-    pub(crate) fn new(problem: &Problem) -> Self {
-        let parameters = problem.parameters();
-        Self {
-            // A slab thinner than single precision can say is the thinnest it can say
-            thickness: (parameters.thickness as f32).max(f32::MIN_POSITIVE),
-            matched: parameters.eta == 1.0,
-            interface: Interface::new(parameters.eta),
+/// Place that light gets to through a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Beyond {
+    Layer(usize),
+    Outside,
+    /// A Lambertian ground of this reflectance.
+    Ground(f32),
+}
+
+/// Least cosine of refracted light.
+const GRAZING: f32 = 1e-6;
+
+impl Face {
+    pub(crate) fn new(eta: f64, beyond: Beyond) -> Self {
+        Self { interface: Interface::new(eta), eta: eta as f32, beyond }
+    }
+
+    /// Returns whether all light gets through.
+    pub(crate) fn is_matched(&self) -> bool {
+        self.eta == 1.0
+    }
+
+    /// Draws which photons of a mask pass the face.
+    #[inline(always)]
+    pub(crate) fn passes<S: Simd>(
+        &self,
+        simd: S,
+        photons: &mut Group<S>,
+        uz: Floats<S>,
+        mask: mask32x16<S>,
+    ) -> mask32x16<S> {
+        if self.is_matched() || !mask.any_true() {
+            return mask;
         }
+        let chance = mask & !self.interface.reflects_totally(uz);
+        let share = draw(photons, chance);
+        chance & share.simd_ge(self.interface.reflectance(simd, uz.abs()))
+    }
+
+    /// Directions beyond the face, by Snell's law.
+    #[inline(always)]
+    pub(crate) fn refracted<S: Simd>(&self, simd: S, directions: Directions<S>) -> Directions<S> {
+        if self.is_matched() {
+            return directions;
+        }
+        let (Directions { x, y, z }, eta) = (directions, self.eta);
+        // 1 − η² (1 − μ²), in a form that keeps its digits near perpendicular light
+        let squared = (z * z).fused_mul_add(eta * eta, Floats::splat(simd, (1.0 - eta) * (1.0 + eta)));
+        let cosine = squared.max(GRAZING * GRAZING).min(1.0).sqrt();
+        Directions { x: x * eta, y: y * eta, z: z.simd_gt(0.0).select(cosine, -cosine) }
+    }
+}
+
+impl Medium {
+    /// Returns whether light has no collisions in it.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.mfp >= CLEAR
     }
 
     /// Returns which depths are beyond a face.
@@ -84,62 +138,78 @@ impl Boundary {
         z.simd_lt(0.0) | z.simd_gt(self.thickness)
     }
 
-    /// Mirrors depths beyond a face once.
+    /// Returns which cosines both faces reflect totally.
     #[inline(always)]
-    pub(crate) fn mirrored<S: Simd>(&self, simd: S, z: Floats<S>) -> Floats<S> {
-        z.simd_lt(0.0).select(-z, Floats::splat(simd, 2.0 * self.thickness) - z)
+    fn traps<S: Simd>(&self, mu: Floats<S>) -> mask32x16<S> {
+        self.above.interface.reflects_totally(mu) & self.below.interface.reflects_totally(mu)
     }
 
-    /// Sees to a photon that one reflection has taken beyond the other face of a thin slab.
-    ///
-    /// `share` is uniform in (0, 1], `reflectance` that of the face. As the cosine stays, the number of further
-    /// reflections in a row is geometric and is drawn at once, then compared with the faces that the flight
-    /// meets: no slab is so thin that this takes long. Returns the face that the photon left through, with
-    /// `ray` on it, or nothing, with `ray` inside.
-    pub(crate) fn cross_again(&self, ray: &mut Ray, share: f32, reflectance: f32) -> Option<Side> {
-        let logs = [share, reflectance].map(|share| libm::log(f64::from(share)).abs());
-        let reflections = (logs[0] / logs[1]).floor();
-        let faces = 1.0 + (self.beyond(ray) / f64::from(self.thickness)).floor();
-        if reflections < faces && reflectance < 1.0 {
-            return Some(self.leave(ray, reflections));
-        }
-        self.fold(ray);
-        None
+    /// Returns which photons the face that they are beyond reflects totally.
+    #[inline(always)]
+    pub(crate) fn reflects_totally<S: Simd>(&self, z: Floats<S>, uz: Floats<S>) -> mask32x16<S> {
+        (z.simd_lt(0.0) & self.above.interface.reflects_totally(uz))
+            | (z.simd_gt(self.thickness) & self.below.interface.reflects_totally(uz))
     }
 
-    /// Distance of a depth beyond the nearer face.
-    fn beyond(&self, ray: &Ray) -> f64 {
-        if ray.z < 0.0 { f64::from(-ray.z) } else { f64::from(ray.z) - f64::from(self.thickness) }
+    /// Mirrors those of some photons beyond a face that one reflection brings inside; the photons beyond a face that remain.
+    #[inline(always)]
+    pub(crate) fn mirror<S: Simd>(
+        &self,
+        simd: S,
+        photons: &mut Group<S>,
+        total: mask32x16<S>,
+    ) -> mask32x16<S> {
+        let (z, uz) = (photons.z, photons.directions.z);
+        let outside = self.are_outside(z);
+        let mirrored = z.simd_lt(0.0).select(-z, Floats::splat(simd, 2.0 * self.thickness) - z);
+        let inside = outside & total & !self.are_outside(mirrored);
+        photons.z = inside.select(mirrored, z);
+        photons.directions.z = inside.select(-uz, uz);
+        outside & !inside
     }
 
-    /// Takes a photon beyond a face back to it, or to the face that it meets after some reflections.
-    fn leave(&self, ray: &mut Ray, reflections: f64) -> Side {
-        let upwards = ray.z < 0.0;
-        let missed = if reflections == 0.0 { 0.0 } else { reflections * f64::from(self.thickness) };
-        let back = ((self.beyond(ray) - missed) / f64::from(ray.uz.abs())) as f32;
-        ray.x -= back * ray.ux;
-        ray.y -= back * ray.uy;
-        let upwards = upwards != (reflections % 2.0 == 1.0);
-        ray.uz = if upwards { -ray.uz.abs() } else { ray.uz.abs() };
-        ray.z = if upwards { 0.0 } else { self.thickness };
-        if upwards { Side::Reflected } else { Side::Transmitted }
+    /// Draws which photons of a mask, each on a face, pass it.
+    #[inline(always)]
+    pub(crate) fn passes<S: Simd>(
+        &self,
+        simd: S,
+        photons: &mut Group<S>,
+        uz: Floats<S>,
+        down: mask32x16<S>,
+        mask: mask32x16<S>,
+    ) -> mask32x16<S> {
+        let upwards = self.above.passes(simd, photons, uz, mask & !down);
+        upwards | self.below.passes(simd, photons, uz, mask & down)
     }
 
-    /// All total reflections of a flight at once: the depth as a triangle wave of period 2 thickness.
-    fn fold(&self, ray: &mut Ray) {
-        if ray.z < 0.0 {
-            ray.z = -ray.z;
-            ray.uz = -ray.uz;
-        }
-        if ray.z > self.thickness {
-            let thickness = f64::from(self.thickness);
-            let within = f64::from(ray.z) % (2.0 * thickness);
-            let falling = within > thickness;
-            let folded = if falling { 2.0 * thickness - within } else { within };
-            ray.z = (folded as f32).clamp(0.0, self.thickness);
-            ray.uz = if falling { -ray.uz } else { ray.uz };
-        }
+    /// Ends flights from a face between two that reflect them totally: which they are, the depths at their ends, and which
+    /// then go the other way. Depth is a triangle wave.
+    #[inline(always)]
+    pub(crate) fn fold<S: Simd>(
+        &self,
+        simd: S,
+        uz: Floats<S>,
+        flight: Floats<S>,
+    ) -> (mask32x16<S>, Floats<S>, mask32x16<S>) {
+        let thickness = Floats::splat(simd, self.thickness);
+        let depth = flight * uz.abs();
+        let periods = (depth * (0.5 / self.thickness)).floor();
+        let within = (-periods).fused_mul_add(thickness + thickness, depth).max(0.0);
+        let returns = within.simd_gt(thickness);
+        let travelled = returns.select(thickness + thickness - within, within).max(0.0);
+        (self.traps(uz), uz.simd_gt(0.0).select(travelled, thickness - travelled), returns)
     }
+}
+
+/// Uniform numbers for the photons of a mask; the streams of others stay where they are.
+#[inline(always)]
+pub(crate) fn draw<S: Simd>(photons: &mut Group<S>, mask: mask32x16<S>) -> Floats<S> {
+    let mut streams = photons.streams;
+    let drawn = unit(streams.next());
+    for (word, after) in photons.streams.0.iter_mut().zip(streams.0) {
+        *word = mask.select(after, *word);
+    }
+    drawn
 }
 
 #[cfg(test)]
@@ -147,14 +217,7 @@ mod tests {
     use fearless_simd::{Level, dispatch};
     use translucid_profile::fresnel_from_inside;
 
-    use super::super::chi_square::deviate_of_count;
-    use super::super::random::{Key, Stream};
-    use super::super::{Parameters, Problem};
     use super::*;
-
-    fn boundary(eta: f64, thickness: f64) -> Boundary {
-        Boundary::new(&Problem::new(Parameters { eta, thickness, ..Parameters::default() }).unwrap())
-    }
 
     #[test]
     fn reflectance_is_fresnels() {
@@ -177,87 +240,30 @@ mod tests {
             }
         }
     }
-
-    /// Drawing all reflections at once gives the same faces and places as one by one. |z| < 4 for 5 counts and
-    /// a mean: false alarm 4e-4.
-    #[test]
-    fn reflections_in_a_row_equal_those_one_by_one() {
-        let (thickness, reflectance, photons) = (0.25f32, 0.6f32, 100_000);
-        let boundary = boundary(1.5, f64::from(thickness));
-        let mut stream = Stream::new(Key::new(5), 0);
-        let mut uniform = || (stream.next() | 1) as f32 * (1.0 / 4294967296.0);
-        // Beyond the far face by 0.6: that face and two more
-        let ray = Ray { x: 3.0, y: 0.0, z: 0.85, ux: 0.8, uy: 0.0, uz: 0.6 };
-        let mut counts = [0u64; 4];
-        for _ in 0..photons {
-            let mut ray = ray;
-            let side = boundary.cross_again(&mut ray, uniform(), reflectance);
-            let back = 0.8 / 0.6;
-            let (outcome, x, z) = match side {
-                Some(Side::Transmitted) if ray.x < 2.4 => (0, 3.0 - 0.6 * back, 0.25),
-                Some(Side::Reflected) => (1, 3.0 - 0.35 * back, 0.0),
-                Some(Side::Transmitted) => (2, 3.0 - 0.1 * back, 0.25),
-                None => (3, 3.0, 0.15),
-            };
-            assert!((ray.x - x).abs() < 1e-6 && (ray.z - z).abs() < 1e-6, "{ray:?}");
-            assert_eq!(ray.uz > 0.0, outcome % 2 == 0, "{ray:?}");
-            counts[outcome] += 1;
-        }
-        for (i, count) in counts.into_iter().enumerate() {
-            let stays = f64::from(reflectance).powi(i as i32);
-            let z = deviate_of_count(count, photons, if i < 3 { stays * 0.4 } else { stays });
-            assert!(z.abs() < 4.0, "{i}: z = {z}");
-        }
-    }
-
-    #[test]
-    fn crossing_again_ends_on_a_face_or_inside() {
-        let mut stream = Stream::new(Key::new(5), 0);
-        let mut uniform = || (stream.next() | 1) as f32 * (1.0 / 4294967296.0);
-        for thickness in [1e-300, 1e-20, 1e-6, 0.3, 5.0] {
-            let boundary = boundary(1.5, thickness);
-            for reflectance in [0.0, 1e-30, 0.5, 0.999_999_94, 1.0] {
-                for _ in 0..300 {
-                    let uz = 2.0 * uniform() - 1.0;
-                    let flight = -uniform().ln();
-                    let start = boundary.thickness.min(1.0) * uniform();
-                    let ux = (1.0 - uz * uz).sqrt();
-                    let mut ray = Ray { x: flight * ux, y: 0.0, z: start + flight * uz, ux, uy: 0.0, uz };
-                    if ray.z >= 0.0 && ray.z <= boundary.thickness {
-                        continue;
-                    }
-                    let side = boundary.cross_again(&mut ray, uniform(), reflectance);
-                    match side {
-                        None => assert!(ray.z >= 0.0 && ray.z <= boundary.thickness, "{thickness}: {ray:?}"),
-                        Some(Side::Reflected) => assert!(ray.z == 0.0 && ray.uz < 0.0, "{ray:?}"),
-                        Some(Side::Transmitted) => {
-                            assert!(ray.z == boundary.thickness && ray.uz > 0.0, "{ray:?}");
-                        }
-                    }
-                    let farthest = flight * ux * 1.000001 + 1e-6;
-                    assert!((-1e-6..=farthest).contains(&ray.x), "{thickness}: {ray:?}");
-                }
-            }
-        }
-    }
-
     /// Many total reflections in one step end where one after the other does.
     #[test]
     fn folding_equals_reflecting_one_by_one() {
-        let boundary = boundary(1.5, 0.25);
+        #[inline(always)]
+        fn lanes<S: Simd>(simd: S, medium: &Medium, uz: f32, flight: f32) -> (f32, bool) {
+            let [uz, flight] = [uz, flight].map(|value| Floats::splat(simd, value));
+            let (_, depth, returns) = medium.fold(simd, uz, flight);
+            (depth[0], returns.all_true())
+        }
+        let face = Face::new(1.5, Beyond::Outside);
+        let medium = Medium { mfp: 1.0, thickness: 0.25, top: 0.0, absorbed: 0.0, above: face, below: face };
         for i in 0..1000 {
-            let z = 3.0 * (i as f32 / 500.0 - 1.0);
-            let uz = 0.5f32.copysign(z);
-            let mut folded = Ray { x: 0.0, y: 0.0, z, ux: 0.0, uy: 0.0, uz };
-            boundary.fold(&mut folded);
-            let (mut depth, mut cosine) = (z, uz);
-            while !(0.0..=0.25).contains(&depth) {
-                depth = if depth < 0.0 { -depth } else { 0.5 - depth };
-                cosine = -cosine;
+            for uz in [0.5f32, -0.5] {
+                let flight = i as f32 / 166.0;
+                let (mut depth, mut cosine) = (if uz > 0.0 { 0.0 } else { 0.25 } + flight * uz, uz);
+                while !(0.0..=0.25).contains(&depth) {
+                    depth = if depth < 0.0 { -depth } else { 0.5 - depth };
+                    cosine = -cosine;
+                }
+                let (found, returns) = dispatch!(Level::new(), simd => lanes(simd, &medium, uz, flight));
+                assert!((found - depth).abs() < 1e-6, "{flight} {uz}: {found} {depth}");
+                let at_face = !(1e-6..=0.25 - 1e-6).contains(&depth);
+                assert!(returns == (cosine != uz) || at_face, "{flight} {uz}");
             }
-            assert!((folded.z - depth).abs() < 1e-6, "{z}: {} {depth}", folded.z);
-            let at_face = !(1e-6..=0.25 - 1e-6).contains(&depth);
-            assert!(folded.uz == cosine || at_face, "{z}");
         }
     }
 }

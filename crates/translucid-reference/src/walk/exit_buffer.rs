@@ -39,19 +39,6 @@ impl<'a> ExitBuffer<'a> {
         for (array, values) in self.words.iter_mut().zip(words) {
             values.store_slice(&mut array[places.clone()]);
         }
-        self.added(count);
-    }
-
-    /// Adds one.
-    #[inline(always)]
-    pub(super) fn push_one(&mut self, floats: [f32; 3], words: [u32; 2]) {
-        self.floats.iter_mut().zip(floats).for_each(|(array, value)| array[self.count] = value);
-        self.words.iter_mut().zip(words).for_each(|(array, value)| array[self.count] = value);
-        self.added(1);
-    }
-
-    #[inline(always)]
-    fn added(&mut self, count: usize) {
         self.count += count;
         if self.count >= EXITS {
             self.flush();

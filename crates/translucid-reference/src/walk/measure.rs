@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 
 use fearless_simd::Level;
 
-use super::scalar::trace_scalar;
 use super::trace::trace_at_level;
 use super::{PhotonCounts, Problem};
 
@@ -19,8 +18,6 @@ pub enum Walker {
     Avx2,
     /// The kernel with SSE2 or what else every machine of this architecture has.
     Baseline,
-    /// The scalar twin in double precision.
-    Twin,
 }
 
 impl Walker {
@@ -39,7 +36,6 @@ impl Walker {
             Self::Kernel => kernel(Level::new()),
             Self::Avx2 => kernel(avx2()?),
             Self::Baseline => kernel(Level::baseline()),
-            Self::Twin => trace_scalar(problem, albedo, seed, photons, &mut |_| {}),
         };
         Some((counts.collisions, counts.launched - counts.absorbed))
     }

@@ -11,6 +11,18 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 use super::npy::{Header, write_header};
 use super::table_error::TableError;
 
+/// The bytes of an archive of arrays of numbers, each with its name and shape.
+///
+/// # Errors
+/// An array has so many dimensions that its header is longer than 65535 bytes.
+pub fn npz_of_numbers(arrays: &[(&str, &[usize], &[f64])]) -> io::Result<Vec<u8>> {
+    let mut out = Writer::new();
+    for (name, shape, numbers) in arrays {
+        out.words(name, "<f8", shape, numbers.iter().map(|number| number.to_bits()))?;
+    }
+    out.finish()
+}
+
 /// An archive on its way. It is put together in memory, since what is written to may know no way back.
 pub(crate) struct Writer(ZipWriter<Cursor<Vec<u8>>>);
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, mask32x16};
 
-use super::lanes::{Floats, FusedMulAdd, Words, exponential};
+use super::lanes::{Floats, FusedMulAdd, Words};
 use super::random::{LANES, Stream};
 use super::scatter::{Directions, Scatter};
 
@@ -15,12 +15,12 @@ pub(crate) const BLOCK: usize = GROUPS * LANES;
 /// Places in a structure of photons: a vector may start at the last photon.
 const PLACES: usize = BLOCK + LANES;
 
-/// Photons that are about to collide, as a structure of arrays.
+/// Photons, as a structure of arrays.
 #[repr(align(64))]
 pub(crate) struct Photons {
-    /// x, y and z, then the direction before the collision, unused where scattering forgets it.
+    /// x, y and z, then the direction, unused where scattering forgets it.
     floats: [[f32; PLACES]; 6],
-    /// Random stream, collisions that the photon will yet survive, and those that it will survive in all.
+    /// Random stream, collisions that the photon will yet survive, and what else it carries.
     words: [[u32; PLACES]; 6],
     /// Number of photons, from place 0 on.
     pub(crate) count: usize,
@@ -29,17 +29,6 @@ pub(crate) struct Photons {
 impl Photons {
     pub(crate) fn none() -> Box<Self> {
         Box::new(Self { floats: [[0.0; PLACES]; 6], words: [[0; PLACES]; 6], count: 0 })
-    }
-
-    /// Copies one photon; `to` and `from` are places in this and the other structure.
-    #[inline(always)]
-    pub(crate) fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
-        for (array, other) in self.floats.iter_mut().zip(&photons.floats) {
-            array[to] = other[from];
-        }
-        for (array, other) in self.words.iter_mut().zip(&photons.words) {
-            array[to] = other[from];
-        }
     }
 
     /// Copies one photon to another place.
@@ -129,10 +118,9 @@ impl<S: Simd> Group<S> {
         self.map(fresh, |a, b| b.expand_merge(mask, a), |a, b| b.expand_merge(mask, a))
     }
 
-    /// Flies without regard to faces.
+    /// Moves along the directions.
     #[inline(always)]
-    pub(crate) fn fly(&mut self, simd: S) {
-        let flight = exponential(simd, self.streams.next());
+    pub(crate) fn advance(&mut self, flight: Floats<S>) {
         self.x = flight.fused_mul_add(self.directions.x, self.x);
         self.y = flight.fused_mul_add(self.directions.y, self.y);
         self.z = flight.fused_mul_add(self.directions.z, self.z);

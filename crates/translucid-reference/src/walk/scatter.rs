@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use super::deflection_table::DeflectionTable;
+use super::deflection_table::{DeflectionLaw, DeflectionTable};
 use super::lanes::{Floats, FusedMulAdd, Words, circle, complement, polynomial, signed, unit};
 
 /// Unit vectors.
@@ -153,27 +153,14 @@ pub(crate) enum AnyScatter<'a> {
     Tabulated(Tabulated<'a>),
 }
 
-impl From<Isotropic> for AnyScatter<'_> {
-    fn from(isotropic: Isotropic) -> Self {
-        Self::Isotropic(isotropic)
-    }
-}
-
-impl From<HenyeyGreenstein> for AnyScatter<'_> {
-    fn from(henyey_greenstein: HenyeyGreenstein) -> Self {
-        Self::HenyeyGreenstein(henyey_greenstein)
-    }
-}
-
-impl From<Rayleigh> for AnyScatter<'_> {
-    fn from(rayleigh: Rayleigh) -> Self {
-        Self::Rayleigh(rayleigh)
-    }
-}
-
-impl<'a> From<Tabulated<'a>> for AnyScatter<'a> {
-    fn from(tabulated: Tabulated<'a>) -> Self {
-        Self::Tabulated(tabulated)
+impl<'a> From<&'a DeflectionLaw> for AnyScatter<'a> {
+    fn from(law: &'a DeflectionLaw) -> Self {
+        match law {
+            DeflectionLaw::Isotropic => Self::Isotropic(Isotropic),
+            DeflectionLaw::HenyeyGreenstein { g } => Self::HenyeyGreenstein(HenyeyGreenstein::new(*g)),
+            DeflectionLaw::Rayleigh => Self::Rayleigh(Rayleigh),
+            DeflectionLaw::Table(table) => Self::Tabulated(Tabulated(table)),
+        }
     }
 }
 

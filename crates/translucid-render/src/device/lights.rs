@@ -11,14 +11,11 @@
 //! images   where lights are selected by power, a choice among all of them by power;
 //!          of the environment's image a choice of a row of cells, one of a cell for each row, and the texels (red, green, blue)
 //!
-//! light    0 kind, 1 whether the camera sees it, 2 radiance (of a delta light intensity or irradiance), 5 shape:
-//!          rectangle, ellipse   5 corner, 8 and 11 unit vectors along the edges, 14 normal, 17 size
-//!          sphere               5 center, 8 radius, 9 whether it has a cone, 10 the cone
-//!          spot                 5 position, 10 the cone
-//!          beam                 5 origin, 8 direction of travel, 11 radius
-//!          distant              5 direction; of a disc 8 sin² and 9 1 − cos of its angular radius
+//! light    0 kind, 1 whether the camera sees it, 2 shape:
+//!          rectangle, ellipse   2 radiance, 5 corner, 8 and 11 unit vectors along the edges, 14 normal, 17 size
+//!          sky                  2 radiance
 //!          image                5 where its tables begin
-//! cone     axis, cosine up to which the light is even, cosine from which on there is none
+//!          others               2 the fields of `SphereLight`, `SpotLight`, `BeamLight` or `DistantLight`
 //! image    0 width, 1 height, 2 columns and 3 rows of cells, 4 width and 5 height of a cell in pixels,
 //!          6 environment from world, row by row, 15 irradiances of +x, −x, +y, −y, +z, −z,
 //!          21 where texels begin, 22 where the choice of a row begins, 23 where those of cells begin,
@@ -33,6 +30,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use glam::{Mat3, Vec3};
+use translucid_law::Words;
 use translucid_scene::SceneError;
 
 use crate::light::{
@@ -250,43 +248,13 @@ fn placed(source: &PlacedLight) -> Vec<f32> {
     match source {
         PlacedLight::Rectangle(light) => around(RECTANGLE, light),
         PlacedLight::Ellipse(light) => around(ELLIPSE, &light.around),
-        PlacedLight::Sphere(light) => {
-            let head = head(SPHERE, light.visible);
-            let cone = light.cone.map_or([0.0; 5], |cone| cone.words());
-            words(&[
-                &head,
-                &v(light.radiance),
-                &v(light.center),
-                &[light.radius, flag(light.cone.is_some())],
-                &cone,
-            ])
+        PlacedLight::Sphere(light) => words(&[&head(SPHERE, light.visible), &light.words()]),
+        PlacedLight::Spot(light) => words(&[&head(SPOT, false), &light.words()]),
+        PlacedLight::Beam(light) => words(&[&head(BEAM, false), &light.words()]),
+        PlacedLight::Distant(light) => {
+            let kind = if light.is_disc() { DISC } else { DISTANT };
+            words(&[&head(kind, false), &light.words()])
         }
-        PlacedLight::Spot(light) => words(&[
-            &head(SPOT, false),
-            &v(light.intensity),
-            &v(light.position()),
-            &[0.0; 2],
-            &light.cone.words(),
-        ]),
-        PlacedLight::Beam(light) => words(&[
-            &head(BEAM, false),
-            &v(light.irradiance),
-            &v(light.origin),
-            &v(light.direction),
-            &[light.radius],
-        ]),
-        PlacedLight::Distant(light) => match light.disc {
-            None => words(&[&head(DISTANT, false), &v(light.irradiance), &v(light.direction)]),
-            Some(disc) => {
-                let radiance = light.radiance(light.direction);
-                words(&[
-                    &head(DISC, false),
-                    &v(radiance),
-                    &v(light.direction),
-                    &[disc.sin2, disc.one_minus_cos],
-                ])
-            }
-        },
         PlacedLight::Environment(light) => match &light.sky {
             Sky::Constant(radiance) => words(&[&head(SKY, false), &v(*radiance)]),
             Sky::Map(_) => head(MAP, false).to_vec(),

@@ -24,8 +24,9 @@ use Value::{Color, Number, Walk};
 /// on a channel.
 const INPUT_WORDS: usize = 5;
 
-/// Fields without words: they have their say in [`DERIVED`], and in the tables of what is below the surface.
-const FIELDS_BELOW: [&str; 8] = [
+/// Fields without words: they have their say in [`DERIVED`], in the tables of what is below the surface, and the tint in the
+/// color that is that of crossings.
+const FIELDS_BELOW: [&str; 10] = [
     "layer",
     "subsurface_model",
     "subsurface_parameter",
@@ -34,6 +35,8 @@ const FIELDS_BELOW: [&str; 8] = [
     "subsurface_normalization",
     "subsurface_eta",
     "subsurface_flights",
+    "transmission_depth",
+    "transmission_tint",
 ];
 
 /// Kinds of what is below a surface; 0 is nothing.
@@ -134,7 +137,7 @@ fn fields(
     material: &Material,
     number_of: &mut dyn FnMut(&TextureRef) -> usize,
 ) -> Vec<(&'static str, Vec<f32>)> {
-    let mut material = material.clone();
+    let mut material = Material { transmission_color: *material.crossing_tint(), ..material.clone() };
     let fields = Material::DESCRIPTION.fields.iter().filter(|field| !FIELDS_BELOW.contains(&field.key()));
     let words = fields.map(|field| (field.key(), field_words((field.slot)(&mut material), number_of)));
     let mut words: Vec<_> = words.collect();

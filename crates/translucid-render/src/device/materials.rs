@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use translucid_scene::{
-    Light, Material, ScalarInput, Scene, SceneError, SubsurfaceNormalization, TextureRef, WalkSurface, Wrap,
+    Light, Material, ScalarInput, Scene, SceneError, SubsurfaceNormalization, TextureFilter, TextureRef,
+    WalkSurface, Wrap,
 };
 
 use super::material_words::PlacedMaterial;
@@ -12,8 +13,8 @@ use crate::render::PreparedScene;
 use crate::subsurface::transport::probes::Probes;
 use crate::surface::WalkMedium;
 
-/// Words of a texture: image, width, height, wrap modes, mapping by columns.
-pub(super) const TEXTURE_WORDS: usize = 11;
+/// Words of a texture: image, width, height, wrap modes, mapping by columns, whether the nearest pixel counts.
+pub(super) const TEXTURE_WORDS: usize = 12;
 /// Intervals of a table over the surface albedo.
 pub(super) const ALBEDOS: usize = 1024;
 
@@ -106,6 +107,7 @@ impl<'a> Materials<'a> {
         self.textures.push(texture.image as f32);
         self.textures.extend(size.into_iter().chain(wrap));
         self.textures.extend(texture.image_from_uv.to_cols_array());
+        self.textures.push(f32::from(u8::from(texture.filter == TextureFilter::Nearest)));
         index
     }
 

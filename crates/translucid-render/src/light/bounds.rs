@@ -7,8 +7,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
-
-use super::cone::SpotCone;
+use translucid_law::SpotCone;
 
 /// Room for the rounding of cones to single precision \[rad\].
 const CONE_ROOM: f32 = 1e-6;
@@ -133,8 +132,9 @@ fn turned(a: DVec3, b: DVec3, angle: f64) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use translucid_law::uniform_sphere;
+
     use super::*;
-    use crate::light::directions::uniform_sphere;
     use crate::sampling::Sampler;
 
     fn cone(axis: Vec3, theta_o: f32) -> LightBounds {

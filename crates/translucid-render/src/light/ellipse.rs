@@ -7,10 +7,10 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DVec3, Vec3};
+use translucid_law::Receiver;
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use super::receiver::Receiver;
 use super::rectangle::{LocalRectangle, Rectangle, SphericalRectangle};
 use crate::sampling::concentric_disk;
 

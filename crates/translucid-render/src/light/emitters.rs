@@ -1,19 +1,14 @@
 //! All lights of a scene, by number: first those that are placed as lights, then the triangles that emit.
 
 use glam::Vec3;
+use translucid_law::{BeamLight, DistantLight, Receiver, SphereLight, SpotCone, SpotLight, luminance};
 use translucid_scene::{Light, Scene};
 
 use super::LightSample;
-use super::beam::Beam;
 use super::bounds::LightBounds;
-use super::cone::SpotCone;
-use super::distant::Distant;
 use super::ellipse::Ellipse;
 use super::environment::Environment;
-use super::receiver::Receiver;
 use super::rectangle::Rectangle;
-use super::sphere::Sphere;
-use super::spot::Spot;
 use super::triangle::{EmissiveTriangle, emitting};
 use crate::ray::LightOrigin;
 
@@ -22,10 +17,10 @@ use crate::ray::LightOrigin;
 pub(crate) enum PlacedLight {
     Rectangle(Rectangle),
     Ellipse(Ellipse),
-    Sphere(Sphere),
-    Distant(Distant),
-    Spot(Spot),
-    Beam(Beam),
+    Sphere(SphereLight),
+    Distant(DistantLight),
+    Spot(SpotLight),
+    Beam(BeamLight),
     Environment(Environment),
 }
 
@@ -37,10 +32,10 @@ impl PlacedLight {
                 Rectangle::new(center, edge_x, edge_y, radiance, visible).map(Self::Rectangle)
             }
             Light::Sphere { center, radius, radiance, visible } => {
-                Sphere::new(center, radius, radiance, visible).map(Self::Sphere)
+                SphereLight::new(center, radius, radiance, visible).map(Self::Sphere)
             }
             Light::Distant { direction, angular_radius, irradiance } => {
-                Distant::new(direction, angular_radius, irradiance).map(Self::Distant)
+                DistantLight::new(direction, angular_radius, irradiance).map(Self::Distant)
             }
             Light::Ellipse { center, edge_x, edge_y, radiance, visible } => {
                 Ellipse::new(center, edge_x, edge_y, radiance, visible).map(Self::Ellipse)
@@ -48,12 +43,12 @@ impl PlacedLight {
             Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => {
                 let cone = SpotCone::new(direction, inner_angle, outer_angle)?;
                 match radius {
-                    0.0 => Spot::new(position, intensity, cone).map(Self::Spot),
-                    _ => Sphere::of_spot(position, radius, intensity, cone, visible).map(Self::Sphere),
+                    0.0 => SpotLight::new(position, intensity, cone).map(Self::Spot),
+                    _ => SphereLight::of_spot(position, radius, intensity, cone, visible).map(Self::Sphere),
                 }
             }
             Light::Beam { origin, direction, radius, power } => {
-                Beam::new(origin, direction, radius, power).map(Self::Beam)
+                BeamLight::new(origin, direction, radius, power).map(Self::Beam)
             }
         }
     }
@@ -74,11 +69,9 @@ impl PlacedLight {
     /// Where the light of a delta light comes from, which no ray can meet; none of others.
     pub(crate) fn delta_origin(&self) -> Option<LightOrigin> {
         match self {
-            Self::Spot(light) => Some(LightOrigin::At(light.position())),
-            Self::Beam(light) => Some(LightOrigin::Along(light.toward())),
-            Self::Distant(light) if !light.is_disc() => {
-                Some(LightOrigin::Along(light.sample_direction().direction))
-            }
+            Self::Spot(light) => Some(LightOrigin::At(light.position)),
+            Self::Beam(light) => Some(LightOrigin::Along(-light.direction)),
+            Self::Distant(light) if !light.is_disc() => Some(LightOrigin::Along(light.direction)),
             Self::Rectangle(_)
             | Self::Ellipse(_)
             | Self::Sphere(_)
@@ -92,11 +85,11 @@ impl PlacedLight {
     pub(crate) fn delta_sample(&self, point: Vec3) -> Option<LightSample> {
         match self {
             Self::Spot(light) => {
-                let (direction, distance) = (light.position() - point).normalize_and_length();
+                let (direction, distance) = (light.position - point).normalize_and_length();
                 Some(LightSample::delta(direction, distance, light.intensity_toward(-direction)))
             }
-            Self::Beam(light) => light.sample(point),
-            Self::Distant(light) if !light.is_disc() => Some(light.sample_direction()),
+            Self::Beam(light) => LightSample::of_delta(light.draw(point)),
+            Self::Distant(light) if !light.is_disc() => Some(LightSample::at_infinity(light)),
             Self::Rectangle(_)
             | Self::Ellipse(_)
             | Self::Sphere(_)
@@ -126,7 +119,8 @@ impl PlacedLight {
                 Some((shape.intersect(origin, direction)?, shape.radiance()))
             }
             Self::Sphere(shape) if counts(shape.visible) => {
-                Some((shape.intersect(origin, direction)?, shape.radiance_toward(-direction)))
+                let t = shape.distance(origin, direction);
+                (t >= 0.0).then(|| (t, shape.radiance_toward(-direction)))
             }
             _ => None,
         }
@@ -163,9 +157,9 @@ impl PlacedLight {
             Self::Rectangle(light) => light.power(),
             Self::Ellipse(light) => light.power(),
             Self::Sphere(light) => light.power(),
-            Self::Distant(light) => light.greatest_irradiance() * cross_section,
+            Self::Distant(light) => luminance(light.irradiance) * cross_section,
             Self::Spot(light) => light.power(),
-            Self::Beam(light) => light.power(),
+            Self::Beam(light) => light.power,
             Self::Environment(light) => {
                 let everywhere = Receiver { point: Vec3::ZERO, normal: Vec3::ZERO };
                 4.0 * light.importance(&everywhere) * cross_section
@@ -178,8 +172,16 @@ impl PlacedLight {
         match self {
             Self::Rectangle(light) => Some(light.bounds()),
             Self::Ellipse(light) => Some(light.bounds()),
-            Self::Sphere(light) => Some(light.bounds()),
-            Self::Spot(light) => Some(light.bounds()),
+            Self::Sphere(light) => {
+                let (low, high) = (light.center - light.radius, light.center + light.radius);
+                Some(match light.has_cone {
+                    false => LightBounds::everywhere(low, high, light.strength()),
+                    true => LightBounds::cone(low, high, &light.cone, light.strength()),
+                })
+            }
+            Self::Spot(light) => {
+                Some(LightBounds::cone(light.position, light.position, &light.cone, light.luminance))
+            }
             Self::Distant(_) | Self::Beam(_) | Self::Environment(_) => None,
         }
     }
@@ -240,7 +242,7 @@ impl Emitters {
         match self.sources.get(light) {
             Some(PlacedLight::Rectangle(light)) => Some(light.normal()),
             Some(PlacedLight::Ellipse(light)) => Some(light.normal()),
-            Some(PlacedLight::Sphere(light)) => light.normal_at(place),
+            Some(PlacedLight::Sphere(light)) => (place - light.center).try_normalize(),
             Some(
                 PlacedLight::Distant(_)
                 | PlacedLight::Spot(_)
@@ -266,10 +268,10 @@ impl Emitters {
         match self.sources.get(light) {
             Some(PlacedLight::Rectangle(light)) => light.sample(point, v),
             Some(PlacedLight::Ellipse(light)) => light.sample(point, v),
-            Some(PlacedLight::Sphere(light)) => light.sample(point, v),
-            Some(PlacedLight::Spot(light)) => light.sample(point),
-            Some(PlacedLight::Beam(light)) => light.sample(point),
-            Some(PlacedLight::Distant(light)) if !light.is_disc() => Some(light.sample_direction()),
+            Some(PlacedLight::Sphere(light)) => LightSample::of(light.draw(point, v)),
+            Some(PlacedLight::Spot(light)) => LightSample::of_delta(light.draw(point)),
+            Some(PlacedLight::Beam(light)) => LightSample::of_delta(light.draw(point)),
+            Some(PlacedLight::Distant(light)) if !light.is_disc() => Some(LightSample::at_infinity(light)),
             Some(PlacedLight::Distant(_) | PlacedLight::Environment(_)) => None,
             None => self.triangles[light - self.sources.len()].sample(point, v),
         }

@@ -5,18 +5,17 @@
 //! The query functions give the density with which it would have drawn a direction found otherwise (by a BSDF). They give
 //! the same numbers as the sample itself, so that MIS can combine the two strategies [Veach & Guibas 1995].
 //!
-//! Each light is a file with a type that provides these functions:
+//! Each light is a type with these functions, most of them in `translucid-law`; rectangles, ellipses and triangles are here:
 //!
 //! ```text
 //! every light       new(…) -> Option<Self>                      None if it sheds no light
 //!                   importance(receiver) -> f32                 about its irradiance (luminance); 0 only if it brings none
 //!                   power() -> f32                              emitted power (luminance), rather too high than too low
-//! at a place        bounds() -> LightBounds                     place and emission, for the light tree; not for beams
-//! with a surface    sample(point, v) -> Option<LightSample>     a direction, its radiance, its density
+//! with a surface    draw(point, v) or sample(point, v)          a direction, its radiance, its density
 //! (rectangle …)     pdf(point, on_light) -> f32                 the density of sample for a direction found otherwise
-//!                   intersect(origin, direction) -> Option<f32> distance at which a ray meets the emitting side
-//! from infinity     sample(receiver, v), pdf, radiance          as above, by direction
-//! delta lights      sample(point) -> Option<LightSample>        the one direction, which no ray meets by chance
+//!                   distance or intersect(origin, direction)    distance at which a ray meets the emitting side
+//! from infinity     direction(v), pdf, radiance                 as above, by direction
+//! delta lights      draw(point)                                 the one direction, which no ray meets by chance
 //! ```
 //!
 //! `emitters.rs` puts them side by side in `PlacedLight`, `surfaces.rs` intersects them, and `tests/` holds them to the
@@ -25,27 +24,22 @@
 //! Light from infinity, which is the environment and the discs of distant lights, adds up: radiance and density of one of
 //! them are always those of all of them together.
 
-mod beam;
 mod bounds;
-mod cone;
-mod directions;
-mod distant;
 mod distribution;
 mod ellipse;
 mod emitters;
 mod environment;
-mod receiver;
 mod rectangle;
 mod refracted;
 mod selection;
-mod sphere;
-mod spot;
 mod surfaces;
 mod tree;
 mod triangle;
 mod weights;
 
 use glam::Vec3;
+pub(crate) use translucid_law::luminance;
+use translucid_law::{DistantLight, LightDraw, Receiver};
 use translucid_scene::Scene;
 
 use crate::ray::Geometry;
@@ -54,8 +48,6 @@ use emitters::Emitters;
 pub(crate) use emitters::PlacedLight;
 use environment::Environment;
 pub(crate) use environment::{EnvironmentMap, Sky};
-use receiver::Receiver;
-pub(crate) use receiver::luminance;
 pub(crate) use rectangle::Rectangle;
 use refracted::DeltaLights;
 pub(crate) use refracted::refracted_pdf;
@@ -92,6 +84,22 @@ impl LightSample {
 
     fn delta(direction: Vec3, distance: f32, irradiance: Vec3) -> Self {
         Self { direction, distance, radiance: irradiance, pdf: 1.0, is_delta: true, primitive: None }
+    }
+
+    /// What a law has drawn, if it is something.
+    fn of(draw: LightDraw) -> Option<Self> {
+        let LightDraw { direction, distance, radiance, pdf } = draw;
+        (pdf > 0.0).then(|| Self::new(direction, distance, radiance, pdf))
+    }
+
+    /// The same of a light that no ray meets.
+    fn of_delta(draw: LightDraw) -> Option<Self> {
+        (draw.pdf > 0.0).then(|| Self::delta(draw.direction, draw.distance, draw.radiance))
+    }
+
+    /// The one direction of a distant light that is no disc.
+    fn at_infinity(light: &DistantLight) -> Self {
+        Self::delta(light.direction, f32::INFINITY, light.irradiance)
     }
 
     /// Returns `true` if a contribution can be computed from it.
@@ -214,7 +222,7 @@ impl LightSet {
     ) -> Option<LightSample> {
         let direction = match self.emitters.sources.get(light) {
             Some(PlacedLight::Environment(light)) => Some(light.sample(receiver, v)),
-            Some(PlacedLight::Distant(light)) => light.sample_disc(v),
+            Some(PlacedLight::Distant(light)) => light.is_disc().then(|| light.direction_of_disc(v)),
             _ => None,
         };
         let sample = match direction {

@@ -5,10 +5,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
+use translucid_law::{Receiver, luminance};
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use super::receiver::{Receiver, luminance};
 
 /// Rectangles that look smaller than about this solid angle \[sr\] are drawn from uniformly in area: the density
 /// then varies by a tenth over the rectangle, which is little beside the cosine at the receiver, and no

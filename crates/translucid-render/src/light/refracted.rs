@@ -5,10 +5,10 @@
 //! whether they shine toward the refraction: these are drawn by their power alone.
 
 use glam::Vec3;
+use translucid_law::Receiver;
 
 use super::distribution::Discrete;
 use super::emitters::{Emitters, PlacedLight};
-use super::receiver::Receiver;
 use super::{LightSample, LightSet};
 use crate::ray::LightOrigin;
 

@@ -3,9 +3,10 @@
 //! Few lights are weighed one by one for each point; a tree selects among many. Lights without a place (at infinity) or a
 //! box (beams) stand beside the tree, each weighed by itself.
 
+use translucid_law::Receiver;
+
 use super::distribution::Discrete;
 use super::emitters::Emitters;
-use super::receiver::Receiver;
 use super::tree::{LightTree, Root};
 use super::weights::{GREATEST_IMPORTANCE, LightWeights, importance};
 

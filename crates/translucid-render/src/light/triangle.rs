@@ -3,10 +3,10 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use translucid_law::{Receiver, luminance, triangle_importance, uniform_triangle};
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use super::receiver::{Receiver, luminance};
 
 /// A triangle that emits on the side from which its vertices are seen counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,29 +58,17 @@ impl EmissiveTriangle {
         LightBounds::one_sided(a.min(b).min(c), a.max(b).max(c), normal, strength)
     }
 
-    /// Estimate of the irradiance; 0 only from behind and if the triangle is below the horizon.
+    /// Estimate of the irradiance.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
-        let corners = self.vertices.map(|corner| corner - receiver.point);
-        let cross = self.cross();
-        // Twice the area times the height above the triangle.
-        let elevation = -corners[0].dot(cross);
-        let highest = corners.map(|corner| receiver.normal.dot(corner)).into_iter().fold(f32::MIN, f32::max);
-        if elevation <= 0.0 || (receiver.has_normal() && highest <= 0.0) {
-            return 0.0;
-        }
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let radius2 = corners.map(|corner| corner.distance_squared(middle)).into_iter().fold(0.0, f32::max);
-        let distance = middle.length_squared().max(radius2).sqrt();
-        let cosine = if receiver.has_normal() { (highest / distance).min(1.0) } else { 1.0 };
-        let intensity = 0.5 * luminance(self.radiance) * (elevation / distance);
-        (intensity / distance / distance * cosine).max(f32::MIN_POSITIVE)
+        let [a, b, c] = self.vertices;
+        triangle_importance(a, b, c, luminance(self.radiance), receiver)
     }
 
     /// Draws a point; the selection is not in its density.
     pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
         let [a, b, c] = self.vertices;
         // From the corner a, so that far from the origin the offsets keep their digits.
-        let [s, t] = uniform_barycentric(v);
+        let [s, t] = uniform_triangle(v);
         let offset = (a - point) + (b - a) * s + (c - a) * t;
         let direction = offset.try_normalize()?;
         let pdf = self.pdf(offset, self.cross().normalize_or_zero());
@@ -102,10 +90,4 @@ impl EmissiveTriangle {
             0.0
         }
     }
-}
-
-/// Barycentric coordinates of the second and third corner, uniform in area
-/// [Heitz 2019, "A Low-Distortion Map Between Triangle and Square"].
-fn uniform_barycentric([x, y]: [f32; 2]) -> [f32; 2] {
-    if y > x { [0.5 * x, y - 0.5 * x] } else { [x - 0.5 * y, 0.5 * y] }
 }

@@ -1,7 +1,8 @@
 //! Weights of lights at a point, and a choice in proportion to them.
 
+use translucid_law::Receiver;
+
 use super::emitters::Emitters;
-use super::receiver::Receiver;
 
 /// Importances above this are as good as equal; their sum must stay finite.
 pub(crate) const GREATEST_IMPORTANCE: f32 = 1e30;

@@ -22,6 +22,7 @@ pub(crate) use geometry::SurfacePoint;
 pub use hit::Hit;
 pub(crate) use hit::offset_at;
 pub(crate) use instances::{MeshSharing, Placement};
+pub(crate) use orientation::orientation;
 pub(crate) use primitive::Primitive;
 pub use triangle::Ray;
 pub(crate) use wide_tree::AT_ONCE as TRIANGLES_AT_ONCE;

@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-4;
 /// By the divergence theorem no linear field without sources flows through a closed surface. Over centroids c and area
 /// vectors A, Σ A then vanishes, and Σ c Aᵀ is the volume times the unit matrix; with holes or flipped faces, both hold only
 /// by chance. This needs no table of edges, and vertices may be duplicated.
-pub(super) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> f32 {
+pub(crate) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> f32 {
     let Some([origin, ..]) = triangles().next() else { return 0.0 };
     let (mut area, mut extent) = (0.0, 0.0_f64);
     let (mut flux, mut moments) = (DVec3::ZERO, DMat3::ZERO);

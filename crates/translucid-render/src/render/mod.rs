@@ -6,6 +6,7 @@ mod enclosed;
 mod exact_sums;
 mod film;
 mod fingerprint;
+mod inner_pieces;
 mod live_film;
 mod passes;
 mod picker;

@@ -11,6 +11,7 @@ use translucid_scene::{
 
 use super::enclosed;
 use super::fingerprint::{Fingerprint, fingerprint};
+use super::inner_pieces::InnerPieces;
 use super::picker::Picker;
 use super::pixel_widths::pixel_widths;
 use super::view::View;
@@ -30,6 +31,7 @@ pub struct PreparedScene {
     pub(super) world: World,
     recipes: Recipes,
     transports: Transports,
+    inner_pieces: InnerPieces,
 }
 
 /// A change of a prepared scene.
@@ -77,8 +79,10 @@ impl PreparedScene {
     ///
     /// # Errors
     /// The scene is not valid: see [`Scene::validate`].
-    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+    pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         scene.validate()?;
+        let mut inner_pieces = InnerPieces::default();
+        inner_pieces.leave_out(&mut scene);
         // Neither needs the other; the tree leaves threads idle now and then.
         let (geometry, (surfaces, recipes)) = rayon::join(
             || Geometry::new(&scene.objects),
@@ -89,10 +93,10 @@ impl PreparedScene {
         let transports = recipes.transports();
         let world = World { media: media(&transports), scene, geometry, surfaces, lights };
         let transports = Transports::new(&world, transports);
-        Ok(Self { world, recipes, transports })
+        Ok(Self { world, recipes, transports, inner_pieces })
     }
 
-    /// The scene as it was given, with all edits.
+    /// The scene as it was given, with all edits; without faces that nobody can see inside translucent bodies.
     pub fn scene(&self) -> &Scene {
         &self.world.scene
     }
@@ -125,6 +129,7 @@ impl PreparedScene {
             .chain(on_places)
             .chain(Transports::notes_on_layers(scene))
             .chain(enclosed::notes(&self.world))
+            .chain(self.inner_pieces.notes(scene))
             .collect()
     }
 
@@ -234,7 +239,13 @@ impl PreparedScene {
         self.world.surfaces.update(index, new, &scene.integrator);
         self.recipes.update(scene, index);
         let emission = |material: &Material| (material.emission_luminance, material.emission_color);
-        Ok(Renewed { lights: emission(&old) != emission(new), materials: 1, ..Renewed::default() })
+        let lights = emission(&old) != emission(new);
+        // A body that has become clear shows what is in it
+        let geometry = self.inner_pieces.leave_out(&mut self.world.scene);
+        if geometry {
+            self.renew_geometry();
+        }
+        Ok(Renewed { lights: lights || geometry, geometry, materials: 1, ..Renewed::default() })
     }
 
     fn edit_object(&mut self, index: usize, object: Object) -> Result<Renewed, SceneError> {
@@ -244,8 +255,9 @@ impl PreparedScene {
             |scene| &mut scene.objects[index],
             |scene| scene.validate_object(index).and_then(|()| scene.validate_triangle_count()),
         )?;
+        self.inner_pieces.leave_out(&mut self.world.scene);
+        self.renew_geometry();
         let scene = &self.world.scene;
-        self.world.geometry = Arc::new(self.world.geometry.renewed(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         for material in [old.material, scene.objects[index].material] {
             self.recipes.update(scene, material);
@@ -260,8 +272,9 @@ impl PreparedScene {
             scene.objects = old;
             return Err(error);
         }
+        self.inner_pieces.leave_out(&mut self.world.scene);
+        self.renew_geometry();
         let scene = &self.world.scene;
-        self.world.geometry = Arc::new(self.world.geometry.renewed(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         let colored = |objects: &[Object]| -> HashSet<(usize, usize)> {
             let has_colors = |object: &&Object| !object.mesh.colors.is_empty();
@@ -276,6 +289,10 @@ impl PreparedScene {
             self.recipes.update(scene, material);
         }
         Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
+    }
+
+    fn renew_geometry(&mut self) {
+        self.world.geometry = Arc::new(self.world.geometry.renewed(&self.world.scene.objects));
     }
 
     fn add_material(&mut self, material: Material) -> Result<Renewed, SceneError> {

@@ -347,7 +347,8 @@ impl<T: Read> Checksummed<T> {
         let found = std::mem::take(&mut self.crc).finalize();
         let mut crc = [0; 4];
         self.inner.read_exact(&mut crc)?;
-        if u32::from_le_bytes(crc) == found {
+        // What passes a checksum is checked, too, which fuzzing could not reach
+        if cfg!(fuzzing) || u32::from_le_bytes(crc) == found {
             Ok(())
         } else {
             Err(damaged("a checksum does not fit its content"))

@@ -208,6 +208,14 @@ impl Session {
     /// # Errors
     /// As [`resume`](Self::resume).
     pub fn load(&self, path: &Path) -> Result<(FilmSums, ShardNotes), OutputError> {
+        self.open(path)?.film().map(|(film, header)| (film, header.notes))
+    }
+
+    /// A shard that an earlier run of this scene and view has saved, its header read.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume), but for the sums, which are not read.
+    pub fn open(&self, path: &Path) -> Result<ShardReader, OutputError> {
         let shard = ShardReader::open(path)?;
         let refusal = |difference: &str| {
             OutputError::new(path, format!("is of another scene or other settings: {difference}"))
@@ -220,7 +228,7 @@ impl Session {
         if shard.header().rect() != self.view.region() {
             return Err(refusal("the region differs"));
         }
-        shard.film().map(|(film, header)| (film, header.notes))
+        Ok(shard)
     }
 
     /// Fingerprint of everything that the samples depend on: see [`PreparedScene::fingerprint`].

@@ -27,6 +27,10 @@ pub enum NoteKind {
     LayersInside,
     /// A lamp or the camera is inside a translucent body.
     Enclosed,
+    /// Faces inside a translucent body's closed surface are left out.
+    InnerPieces,
+    /// A translucent body and glass have their surfaces at the same place.
+    Touching,
 }
 
 /// Kind and words of a note on a material.

@@ -153,8 +153,7 @@ impl Pairing {
     pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
         let color = surface.surface_albedo;
         let brighter = color.max(0.5 * self.brightest(color));
-        let active = Vec3::from_array(surface.subsurface_active.map(|a| f32::from(u8::from(a))));
-        surface.surface_albedo = color + (brighter - color) * active;
+        surface.surface_albedo = color + (brighter - color) * surface.subsurface_active;
     }
 }
 

@@ -22,8 +22,6 @@ pub(crate) fn stated_length_at(scene: &Scene, material: &Material, point: &Surfa
 pub(crate) fn parameters_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> SurfaceParameters {
     let unit_scalar = |input: &ScalarInput| scalar(scene, input, point).clamp(0.0, 1.0);
     let unit_color = |input: &ColorInput| color(scene, input, point).clamp(Vec3::ZERO, Vec3::ONE);
-    let is_tint_below = material.transmission_depth > 0.0 && !material.geometry_thin_walled;
-    let tint = if is_tint_below { Vec3::ONE } else { unit_color(&material.transmission_color) };
     SurfaceParameters {
         base_color: unit_color(&material.base_color) * material.base_weight,
         metalness: unit_scalar(&material.base_metalness),
@@ -32,11 +30,12 @@ pub(crate) fn parameters_at(scene: &Scene, material: &Material, point: &SurfaceP
         specular_roughness: unit_scalar(&material.specular_roughness),
         specular_ior: material.specular_ior,
         transmission_weight: unit_scalar(&material.transmission_weight),
-        transmission_tint: tint,
+        transmission_tint: unit_color(material.crossing_tint()),
         subsurface_weight: unit_scalar(&material.subsurface_weight),
         surface_albedo: Vec3::ZERO,
-        subsurface_active: [false; 3],
-        thin_wall: material.geometry_thin_walled.then_some(Vec3::ZERO),
+        subsurface_active: Vec3::ZERO,
+        thin: material.geometry_thin_walled.into(),
+        thin_albedo: Vec3::ZERO,
         coat_weight: unit_scalar(&material.coat_weight),
         coat_color: unit_color(&material.coat_color),
         coat_roughness: unit_scalar(&material.coat_roughness),

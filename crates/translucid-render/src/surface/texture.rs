@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{ColorInput, Image, ScalarInput, Scene, TextureRef};
+use translucid_scene::{ColorInput, Image, ScalarInput, Scene, TextureFilter, TextureRef};
 
 use crate::ray::SurfacePoint;
 
@@ -25,5 +25,9 @@ pub(super) fn scalar(scene: &Scene, input: &ScalarInput, point: &SurfacePoint) -
 
 pub(super) fn texel(images: &[Arc<Image>], texture: &TextureRef, point: &SurfacePoint) -> [f32; 4] {
     let uv = texture.coordinates(point.uv);
-    images[texture.image].bilinear(uv.x, uv.y, texture.wrap)
+    let image = &images[texture.image];
+    match texture.filter {
+        TextureFilter::Linear => image.bilinear(uv.x, uv.y, texture.wrap),
+        TextureFilter::Nearest => image.nearest(uv.x, uv.y, texture.wrap),
+    }
 }

@@ -8,7 +8,7 @@ use super::passage::{Passage, Reach};
 use crate::ray::{Ray, SurfacePoint};
 use crate::sampling::Frame;
 use crate::surface;
-use crate::surface::bsdf::{Bsdf, Slab, SurfaceParameters, fresnel_dielectric, scaled_ior};
+use crate::surface::bsdf::{Bsdf, SurfaceParameters};
 
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
@@ -157,18 +157,12 @@ pub(crate) fn absorbed(absorption: Vec3, distance: f32) -> Vec3 {
     }
 }
 
-/// Transmittance of a clear surface that is passed without refraction: Fresnel and tint, as of a wall
-/// whose faces are parallel.
+/// Transmittance of a clear surface that is passed without refraction.
 pub(crate) fn straight_transmittance(
     surface: &SurfaceParameters,
     point: &SurfacePoint,
     direction: Vec3,
 ) -> Vec3 {
     let cosine = direction.dot(point.shading_normal).abs();
-    if surface.thin_wall.is_some() {
-        let eta = scaled_ior(surface.specular_ior, surface.specular_weight);
-        return Slab::new(cosine.min(1.0), eta, surface.transmission_tint).transmittance;
-    }
-    let reflected = surface.specular_weight * fresnel_dielectric(cosine, surface.specular_ior);
-    surface.transmission_tint * (1.0 - reflected)
+    surface.straight_transmittance(cosine)
 }

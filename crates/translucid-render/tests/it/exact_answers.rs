@@ -8,6 +8,7 @@ use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_
 use translucid_scene::{
     ColorInput, Light, Material, Object, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel,
 };
+use translucid_testing::power;
 
 use crate::common::{
     GRAY, assert_within, distant, matte, measure, precision, prepare, quad, sample_ray, samples, scene,
@@ -241,7 +242,7 @@ fn collimated_spot_reproduces_the_profile_in_rings() {
     let profile = translucid_profile::NormalizedDiffusion::from_d(0.8, d).expect("valid parameters");
     for (inner, outer) in [(0.3_f32, 0.6_f32), (0.6, 1.0), (1.0, 1.5), (1.5, 2.0), (2.0, 3.0), (3.0, 5.0)] {
         let blocks = 24_u32;
-        let per_block = samples(if outer < 2.5 { 1 << 14 } else { 1 << 16 });
+        let per_block = power(if outer < 2.5 { 1 << 14 } else { 1 << 16 }) as u32;
         let means: Vec<f64> = (0..blocks)
             .map(|block| {
                 let sum: f64 = (0..per_block)

@@ -3,9 +3,10 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in
 //! 2,700 comparisons).
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use translucid_profile::Model;
-use translucid_scene::{ColorInput, Material, Mesh, ScalarInput, Scene, SubsurfaceModel};
+use translucid_render::{Edit, NoteKind, PreparedScene};
+use translucid_scene::{ColorInput, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, WalkSurface};
 
 use crate::common::{assert_within, distant, measure, prepare, quad, scene, sphere, uniform_environment};
 
@@ -77,12 +78,12 @@ fn overlapping_meshes_of_one_group_are_their_union() {
 fn nested_mesh_changes_nothing() {
     let (origin, direction) = (Vec3::new(0.1, 0.2, 3.0), Vec3::NEG_Z);
     let (alone, noise) = seen(in_even_light(vec![sphere(1.0, 48)]), origin, direction);
-    for group in [0, 1] {
-        let mut nested = in_even_light(vec![sphere(1.0, 48), sphere(0.9, 48)]);
+    for (group, radius) in [(0, 0.9), (1, 0.9), (0, 0.5)] {
+        let mut nested = in_even_light(vec![sphere(1.0, 48), sphere(radius, 48)]);
         nested.objects[1].subsurface_group = group;
         let (mean, error) = seen(nested, origin, direction);
         let z = (mean.x - alone.x) / error.x.hypot(noise.x);
-        assert!(z.abs() < 4.0, "group {group}: {mean} ± {error}, {alone}");
+        assert!(z.abs() < 4.0, "group {group}, radius {radius}: {mean} ± {error}, {alone}");
     }
 }
 
@@ -172,4 +173,70 @@ fn faces_back_to_back_are_a_slab_without_thickness() {
     slab.lights.push(distant(Vec3::NEG_Z));
     let through = seen(slab, Vec3::new(0.3, 0.1, 1.0), Vec3::NEG_Z);
     assert_within("through", through, Vec3::splat(A / std::f32::consts::PI));
+}
+
+/// A ball or a sheet in the same mesh is in no light and encloses nothing: neither profiles nor walks know of it.
+#[test]
+fn pieces_inside_a_mesh_change_nothing() {
+    let joined = |inner: Mesh| {
+        let mut mesh = sphere(1.0, 48);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(inner.positions);
+        mesh.normals.clear();
+        mesh.triangles.extend(inner.triangles.iter().map(|corners| corners.map(|i| i + first)));
+        mesh
+    };
+    let sheet = quad(Vec3::ZERO, Vec3::X * 0.5, Vec3::Y * 0.5);
+    let (origin, direction) = (Vec3::new(0.1, 0.2, 3.0), Vec3::NEG_Z);
+    for model in [
+        SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined),
+        SubsurfaceModel::RandomWalk(WalkSurface::Diffuse),
+    ] {
+        let lit = |mesh: Mesh| {
+            let mut scene = in_even_light(vec![mesh]);
+            scene.materials[0].subsurface_model = model;
+            scene.materials[0].subsurface_radius_scale = ColorInput::constant(Vec3::splat(0.4));
+            scene.lights.push(distant(Vec3::Z));
+            scene
+        };
+        let (alone, noise) = seen(lit(joined(Mesh::default())), origin, direction);
+        for inner in [sphere(0.5, 24), sheet.clone()] {
+            let count = inner.triangles.len();
+            let scene = lit(joined(inner));
+            let given = scene.objects[0].mesh.clone();
+            let mut prepared = PreparedScene::new(scene).unwrap();
+            let notes = prepared.notes();
+            let found = notes.iter().find(|note| note.kind == NoteKind::InnerPieces).unwrap();
+            assert!(found.message.contains(&format!("{count} of its faces")), "{found}");
+            let (mean, error) = measure(&prepared, origin, direction, SAMPLES);
+            let z = (mean.x - alone.x) / error.x.hypot(noise.x);
+            assert!(z.abs() < 4.0, "{model:?}: {mean} ± {error}, {alone}");
+
+            // They are seen in a body that is clear, and left out again
+            let whole = |prepared: &PreparedScene| prepared.scene().objects[0].mesh == given;
+            let body = prepared.scene().materials[0].clone();
+            let clear = Material { transmission_weight: ScalarInput::constant(0.5), ..body.clone() };
+            assert!(!whole(&prepared));
+            assert!(prepared.edit(Edit::Material(0, clear.into())).unwrap().geometry && whole(&prepared));
+            assert!(prepared.edit(Edit::Material(0, body.into())).unwrap().geometry && !whole(&prepared));
+        }
+    }
+}
+
+/// Of a body that fills a glass to its walls there is a note; a gap and a body that reaches into the glass are right.
+#[test]
+fn body_that_touches_glass_has_a_note() {
+    for (radius, touches) in [(0.899, false), (0.9, true), (0.901, false)] {
+        let mut scene = scene(vec![sphere(radius, 48), sphere(1.0, 48), sphere(0.9, 48)], translucent());
+        let glass = Material { transmission_weight: ScalarInput::constant(1.0), ..Material::default() };
+        scene.materials.push(glass);
+        for (object, place) in [(1, Vec3::ONE), (2, Vec3::new(-1.0, 1.0, 1.0))] {
+            scene.objects[object].material = 1;
+            scene.objects[object].subsurface_group = object as u32;
+            scene.objects[object].world_from_local = Affine3A::from_scale(place);
+        }
+        let notes = PreparedScene::new(scene).unwrap().notes();
+        let touching: Vec<_> = notes.iter().filter(|note| note.kind == NoteKind::Touching).collect();
+        assert_eq!(touching.len(), usize::from(touches), "{radius}: {touching:?}");
+    }
 }

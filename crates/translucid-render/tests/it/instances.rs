@@ -13,6 +13,7 @@ use translucid_scene::{
     Camera, ColorInput, Film, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceMethod,
     SubsurfaceModel, WalkSurface,
 };
+use translucid_testing::power;
 
 use crate::common::{
     assert_agree, distant, matte, mean_of, prepare, prepare_with_points, sample_ray, samples, scene, sphere,
@@ -94,7 +95,7 @@ fn assert_same_light(name: &str, scene: &Scene) {
         let target = Vec3::X * (STEP * i as f32) + Vec3::new(0.1, 0.2, 0.0);
         for from in [Vec3::new(0.3, 0.6, 3.0), Vec3::new(-0.5, -0.3, -3.0)] {
             let light = |side: usize, seeds: u64| {
-                mean_of(samples(SAMPLES), |seed, index| {
+                mean_of(power(SAMPLES.into()) as u32, |seed, index| {
                     let direction = -from.normalize();
                     sample_ray(&both[side], target + from, direction, seed + seeds, index).radiance()
                 })

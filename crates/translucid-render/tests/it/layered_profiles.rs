@@ -63,7 +63,7 @@ fn edge(material: Material) -> Scene {
 
 /// Light that leaves at a distance into the shadow.
 fn beyond_edge(profile: &DiffuseProfile, distance: f64) -> f64 {
-    let (steps, step) = (4000, 0.003);
+    let (steps, step) = (1500, 0.008);
     let ring = |i: i32| {
         let r = distance * (step * (f64::from(i) + 0.5)).exp();
         2.0 * (distance / r).acos() * r * r * step * profile.reflectance(r)

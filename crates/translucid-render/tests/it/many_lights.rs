@@ -4,9 +4,9 @@ use glam::Vec3;
 use translucid_render::FilmSums;
 use translucid_render::internals::{self, LightSelection};
 use translucid_scene::{Camera, Light, Material, Object, ScalarInput, Scene};
-use translucid_testing::bound;
+use translucid_testing::{bound, power};
 
-use crate::common::{PreparedScene, matte, on_threads, pictures, prepare, quad, render, samples, scene};
+use crate::common::{PreparedScene, matte, on_threads, pictures, prepare, quad, render, scene};
 
 /// A matte floor under 300 lamps of three kinds and 200 emissive triangles of all powers, behind a wall in part.
 fn hall() -> Scene {
@@ -98,7 +98,7 @@ fn picture_is_the_same_by_any_selection() {
             let pixels = (0..16).flat_map(|y| (0..24).map(move |x| (x, y)));
             pixels.map(|(x, y)| film.radiance(x, y)[0]).sum::<f64>() / 384.0
         };
-        let films = pictures(&prepared, first_seed..first_seed + 16, samples(32));
+        let films = pictures(&prepared, first_seed..first_seed + 16, power(32) as u32);
         let means: Vec<f64> = films.iter().map(mean_of).collect();
         let mean = means.iter().sum::<f64>() / 16.0;
         let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 15.0;

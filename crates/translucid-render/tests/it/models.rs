@@ -245,6 +245,38 @@ fn lamps_and_cameras_inside_bodies_are_told_of() {
     assert_eq!(body(vec![sphere(3.0, 24)], Vec3::new(0.5, 0.2, -0.3), 0.0), [""; 0]);
 }
 
+/// A camera in an opaque body without light is told of; one in a lit room, in a room with a window or outside is not.
+#[test]
+fn cameras_inside_dark_bodies_are_told_of() {
+    let notes = |mesh: Mesh, at: Vec3, change: &dyn Fn(&mut Scene)| {
+        let mut scene = scene(vec![mesh], Material::default());
+        scene.camera.position = at;
+        scene.lights = vec![distant(Vec3::Z)];
+        change(&mut scene);
+        prepare(scene).notes().into_iter().map(|note| note.to_string()).collect::<Vec<_>>()
+    };
+    let at = Vec3::new(0.5, 0.2, -0.3);
+    let [camera] = &notes(sphere(3.0, 24), at, &|_| {})[..] else { panic!("one note") };
+    assert!(
+        camera.contains("nothing but the inside of object") && camera.contains("--view front"),
+        "{camera}"
+    );
+    let none = [""; 0];
+    assert_eq!(notes(sphere(3.0, 24), Vec3::new(5.0, 0.2, -0.3), &|_| {}), none);
+    let lamp = Light::Sphere { center: Vec3::ZERO, radius: 0.1, radiance: Vec3::ONE, visible: true };
+    assert_eq!(notes(sphere(3.0, 24), at, &|scene| scene.lights.push(lamp)), none);
+    assert_eq!(notes(sphere(3.0, 24), at, &|scene| scene.materials[0].emission_luminance = 1.0), none);
+    assert_eq!(notes(sphere(3.0, 24), at, &|scene| scene.materials[0].geometry_opacity.factor = 0.5), none);
+    let glass = |scene: &mut Scene| scene.materials[0].transmission_weight.factor = 1.0;
+    assert_eq!(notes(sphere(3.0, 24), at, &glass), none);
+    let mut room = sphere(3.0, 24);
+    room.triangles.truncate(room.triangles.len() * 9 / 10);
+    assert_eq!(notes(room, at, &|_| {}), none);
+    let mut cavity = sphere(3.0, 24);
+    cavity.flip_winding();
+    assert_eq!(notes(cavity, at, &|_| {}), none);
+}
+
 /// Without a named model, the picture is that of the model that the scene implies, and every key is honored.
 #[test]
 fn default_renders_what_it_stands_for() {

@@ -19,12 +19,12 @@ fn session() -> Session {
     Session::new(prepared, view)
 }
 
-/// The least time of many between a stop and the session's return, because other processes may have the processor.
+/// Tried until it is quick, because other processes may have the processor: a session that finishes what it has begun never is.
 #[test]
 fn session_stops_at_once_and_goes_on() {
     let mut session = session();
     let mut least = Duration::MAX;
-    for _ in 0..10 {
+    for _ in 0..200 {
         let running = session.start(Plan::samples(1 << 20), 2, |_: &Event<'_>| {}).expect("threads");
         std::thread::sleep(Duration::from_millis(60));
         assert!(!running.is_finished());
@@ -33,6 +33,9 @@ fn session_stops_at_once_and_goes_on() {
         (session, result) = running.stop();
         least = least.min(before.elapsed());
         assert_eq!(result.expect("no error"), Outcome::Interrupted);
+        if least < Duration::from_millis(20) {
+            break;
+        }
     }
     assert!(least < Duration::from_millis(20), "{least:?}");
     // Where it was stopped leaves no trace, whichever later samples of a batch some tiles have

@@ -100,18 +100,22 @@ fn partly_opaque_emitter_has_no_noise() {
     }
 }
 
-/// Beer–Lambert: after `transmission_depth` the light has `transmission_color`.
+/// Beer–Lambert: after `transmission_depth` the light has `transmission_color`; each face tints it besides.
 #[test]
 fn clear_slab_absorbs_by_its_depth() {
-    let color = Vec3::new(0.8, 0.5, 0.1);
-    let material =
-        Material { transmission_color: ColorInput::constant(color), transmission_depth: 2.0, ..clear(1.0) };
+    let (color, tint) = (Vec3::new(0.8, 0.5, 0.1), Vec3::new(0.5, 0.75, 1.0));
+    let material = Material {
+        transmission_color: ColorInput::constant(color),
+        transmission_depth: 2.0,
+        transmission_tint: ColorInput::constant(tint),
+        ..clear(1.0)
+    };
     let top = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
     let bottom = quad(Vec3::NEG_Z * 3.0, Vec3::Y * 1e3, Vec3::X * 1e3);
     let mut slab = scene(vec![top.clone(), bottom.clone()], material.clone());
     slab.environment = uniform_environment(Vec3::ONE);
     slab.integrator.max_depth = 10;
-    let expected = color.powf(1.5);
+    let expected = tint * tint * color.powf(1.5);
     let (mean, _) = measure(&prepare(slab), Vec3::Z, Vec3::NEG_Z, 256);
     // Rays start a rounding error off the surface: 2e-3 of a slab 3 thick between quads 2,000 wide.
     assert!(((mean - expected) / expected).abs().max_element() < 3e-3, "seen through: {mean}, {expected}");

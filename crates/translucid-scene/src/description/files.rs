@@ -1,5 +1,6 @@
 //! The files that a thing names, to be opened when it is whole.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub struct FileList {
     pub tables: Vec<FileRequest<()>>,
     /// Number of images and of tables that the scene has: the index of a request is its index there.
     before: [usize; 2],
+    /// The place of each request in its list; tables are of no kind.
+    places: HashMap<(PathBuf, Option<ImageKind>), usize>,
 }
 
 impl FileList {
@@ -39,7 +42,10 @@ impl FileList {
 
     /// Index of an image; the same one of the same kind is loaded once.
     pub fn add_image(&mut self, wanted: FileRequest<ImageKind>) -> usize {
-        self.before[0] + add(&mut self.images, wanted)
+        let (key, new) = ((wanted.path.clone(), Some(wanted.kind)), self.images.len());
+        let place = *self.places.entry(key).or_insert(new);
+        self.images.extend((place == new).then_some(wanted));
+        self.before[0] + place
     }
 
     /// Index of the image in a file, or of that at hand.
@@ -60,7 +66,10 @@ impl FileList {
     /// The value is no path.
     pub fn table(&mut self, item: &Item<'_>) -> Result<usize, SceneError> {
         let wanted = FileRequest { path: item.file()?, kind: (), place: item.place(), image: None };
-        Ok(self.before[1] + add(&mut self.tables, wanted))
+        let new = self.tables.len();
+        let place = *self.places.entry((wanted.path.clone(), None)).or_insert(new);
+        self.tables.extend((place == new).then_some(wanted));
+        Ok(self.before[1] + place)
     }
 }
 
@@ -72,13 +81,4 @@ pub fn image_value(image: Arc<Image>) -> Object {
 /// The image that a value is.
 fn image_of(object: &Object) -> Option<Arc<Image>> {
     Arc::clone(&object.data).downcast().ok()
-}
-
-/// The place of a request in its list; the same one is there once.
-fn add<K: PartialEq>(requests: &mut Vec<FileRequest<K>>, wanted: FileRequest<K>) -> usize {
-    let is_same = |request: &FileRequest<K>| request.path == wanted.path && request.kind == wanted.kind;
-    requests.iter().position(is_same).unwrap_or_else(|| {
-        requests.push(wanted);
-        requests.len() - 1
-    })
 }

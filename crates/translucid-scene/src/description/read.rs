@@ -1,7 +1,9 @@
 //! Reading the fields of a scene's things from a table.
 
+use std::path::Path;
+
 use glam::{Affine2, DVec3, Mat3, Vec2, Vec3};
-use translucid_words::{Content, Interval, Item, Key, Table, WholeInterval, Word};
+use translucid_words::{Content, Interval, Item, Key, Table, WholeInterval, Word, quoted};
 
 use super::files::FileList;
 use super::layers::read_layers;
@@ -10,17 +12,26 @@ use super::vectors::Vectors;
 use crate::placement::{check_edges, check_unit, is_rotation};
 use crate::{
     Channel, ColorInput, ColorSpace, ImageKind, NormalMap, Projection, ScalarInput, SceneError,
-    SubsurfaceModel, TextureRef, Wrap,
+    SubsurfaceModel, TextureFilter, TextureRef, Wrap,
 };
 
 /// Keys of a table with the image of a color.
-pub const COLOR_KEYS: &[&str] =
-    &["file", "color_space", "factor", "vertex_color", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+pub const COLOR_KEYS: &[&str] = &[
+    "file",
+    "color_space",
+    "factor",
+    "vertex_color",
+    "uv_scale",
+    "uv_offset",
+    "uv_rotation",
+    "wrap",
+    "filter",
+];
 /// Keys of a table with the image of a scalar.
 pub const SCALAR_KEYS: &[&str] =
-    &["file", "color_space", "channel", "factor", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+    &["file", "color_space", "channel", "factor", "uv_scale", "uv_offset", "uv_rotation", "wrap", "filter"];
 /// Keys of a table with the image of a normal map.
-pub const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+pub const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap", "filter"];
 
 impl SceneSlot<'_> {
     /// Replaces the value by that of its keys, if they are there.
@@ -210,7 +221,8 @@ fn read_color(
         Content::Text(word) if word == "vertex" => Ok(ColorInput::vertex()),
         Content::Table(_) => read_color_table(item.table()?, base, range, files),
         Content::Text(word) if !word.starts_with('#') => {
-            Err(item.refuse("three numbers, \"#rrggbb\", \"vertex\" or a table with an image file"))
+            let error = item.refuse("three numbers, \"#rrggbb\", \"vertex\" or a table with an image file");
+            Err(with_table(error, word))
         }
         Content::Integer(_) | Content::Float(_) | Content::List(_) | Content::Text(_) => {
             item.color(range).map(ColorInput::constant)
@@ -245,6 +257,14 @@ fn read_color_table(
     })
 }
 
+/// The error of a text where a table with an image belongs: how that is written, if the text may be a file's name.
+fn with_table(error: SceneError, text: &str) -> SceneError {
+    if Path::new(text).extension().is_none() {
+        return error;
+    }
+    error.with_help(format!("an image is written {{ file = {} }}", quoted(text)))
+}
+
 /// A scalar: a number or a table with an image. A table without a file changes `base`, where that has an image.
 fn read_scalar(
     item: &Item<'_>,
@@ -255,7 +275,13 @@ fn read_scalar(
     match item.content() {
         Content::Table(_) => read_scalar_table(item.table()?, base, files),
         Content::Integer(_) | Content::Float(_) => item.number(range).map(ScalarInput::constant),
-        _ => Err(item.mismatch(&format!("a number in {range} or a table with an image file"))),
+        content => {
+            let error = item.mismatch(&format!("a number in {range} or a table with an image file"));
+            Err(match content {
+                Content::Text(word) => with_table(error, word),
+                _ => error,
+            })
+        }
     }
 }
 
@@ -317,6 +343,7 @@ fn read_texture(table: &Table<'_>, kind: ImageKind, files: &mut FileList) -> Res
         image: files.image(&table.require("file")?, kind)?,
         image_from_uv: read_mapping(table)?,
         wrap: table.read("wrap", [Wrap::Repeat; 2], read_wrap)?,
+        filter: table.read("filter", TextureFilter::Linear, |item| item.word())?,
     })
 }
 
@@ -349,6 +376,10 @@ impl Word for ColorSpace {
 impl Word for Channel {
     const WORDS: &'static [(&'static str, Self)] =
         &[("red", Self::Red), ("green", Self::Green), ("blue", Self::Blue), ("alpha", Self::Alpha)];
+}
+
+impl Word for TextureFilter {
+    const WORDS: &'static [(&'static str, Self)] = &[("linear", Self::Linear), ("nearest", Self::Nearest)];
 }
 
 impl Word for Wrap {

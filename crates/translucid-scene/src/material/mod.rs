@@ -80,6 +80,8 @@ pub struct Material {
     pub transmission_color: ColorInput,
     /// Depth at which `transmission_color` is reached \[L\]; 0: tint at the surface.
     pub transmission_depth: f32,
+    /// Tint of each crossing where `transmission_color` is that of a depth; no parameter of OpenPBR.
+    pub transmission_tint: ColorInput,
     /// Fraction of the dielectric base that scatters light under the surface.
     pub subsurface_weight: ScalarInput,
     /// Surface albedo A of the medium: the share of the light that enters which leaves again, not counting what the
@@ -149,6 +151,7 @@ impl Default for Material {
             transmission_weight: ScalarInput::constant(0.0),
             transmission_color: ColorInput::constant(Vec3::ONE),
             transmission_depth: 0.0,
+            transmission_tint: ColorInput::constant(Vec3::ONE),
             subsurface_weight: ScalarInput::constant(0.0),
             subsurface_color: ColorInput::constant(Vec3::splat(0.8)),
             subsurface_radius: ScalarInput::constant(1.0),
@@ -180,6 +183,12 @@ impl Material {
     /// Returns `true` if light travels below the surface.
     pub fn has_subsurface(&self) -> bool {
         self.subsurface_weight.factor > 0.0 && !self.geometry_thin_walled
+    }
+
+    /// The color by which clear light is multiplied where it crosses the surface.
+    pub fn crossing_tint(&self) -> &ColorInput {
+        let is_tint_below = self.transmission_depth > 0.0 && !self.geometry_thin_walled;
+        if is_tint_below { &self.transmission_tint } else { &self.transmission_color }
     }
 
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better

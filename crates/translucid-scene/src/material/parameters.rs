@@ -126,6 +126,8 @@ impl Material {
                 "color {range}", Plain),
             field!(Material { transmission_depth } => SceneSlot::Length(transmission_depth, Interval::LENGTH),
                 "length ≥ 0 at which `transmission_color` is reached; 0 tints each crossing", Plain),
+            field!(Material { transmission_tint } => SceneSlot::Color(transmission_tint, Interval::UNIT),
+                "color {range}: tint of each crossing beside a `transmission_depth` above 0", Plain),
             field!(Material { subsurface_weight } => SceneSlot::Scalar(subsurface_weight, Interval::UNIT),
                 "scalar {range}", Plain),
             field!(Material { subsurface_color } => SceneSlot::Color(subsurface_color, Interval::UNIT),

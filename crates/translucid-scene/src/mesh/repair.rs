@@ -1,5 +1,7 @@
 //! Makes a mesh from a file valid, and says what it took.
 
+use std::collections::HashSet;
+
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::check::{LARGEST_COORDINATE, has_area, is_color};
@@ -12,6 +14,7 @@ use crate::{Place, SceneError, Warning};
 /// - A triangle is left out if an index is out of range, a vertex is not finite or beyond ±10⁹, or its
 ///   area is zero (or its height below 10⁻⁶ of its longest edge).
 /// - A vertex that no triangle uses is left out without a word.
+/// - Where triangles are eight times as many as vertices, one that is there already is left out.
 /// - A texture coordinate that is not finite becomes 0, and so does a channel of a color that is not in [0, 10⁶].
 /// - A normal that is zero or not finite is replaced by the smooth one
 ///   ([`Mesh::smooth_normals`]), the others are made unit; if tangents are broken, all are left out.
@@ -34,6 +37,7 @@ pub fn repair_mesh(mesh: &mut Mesh, place: &Place, warnings: &mut Vec<Warning>) 
         return Err(SceneError::at(place.clone(), message));
     }
     drop_unused_vertices(mesh);
+    drop_repeated_triangles(mesh, &mut report);
     mend_uvs_and_colors(mesh, &mut report);
     mend_normals(mesh, &mut report);
     drop_bad_tangents(mesh, &mut report);
@@ -117,6 +121,30 @@ fn drop_bad_triangles(mesh: &mut Mesh, report: &mut Report<'_>) {
             report.count(count, "triangle", kind, "left out");
         }
     }
+}
+
+/// Triangles per vertex beyond which some must be there again and again: a closed surface has two.
+const MOST_PER_VERTEX: usize = 8;
+
+/// Leaves out triangles that are there already. Thousands at one place would take a ray as much longer.
+fn drop_repeated_triangles(mesh: &mut Mesh, report: &mut Report<'_>) {
+    let found = mesh.triangles.len();
+    if found <= MOST_PER_VERTEX * mesh.positions.len() {
+        return;
+    }
+    let mut known = HashSet::new();
+    mesh.triangles.retain(|&[a, b, c]| {
+        // The same corners in the same order, from the least on
+        known.insert(if a < b.min(c) {
+            [a, b, c]
+        } else if b < c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        })
+    });
+    let repeated = found - mesh.triangles.len();
+    report.count(repeated, "triangle", "as before, at the same corners", "left out");
 }
 
 fn drop_unused_vertices(mesh: &mut Mesh) {
@@ -254,13 +282,23 @@ mod tests {
     #[test]
     fn repair_says_nothing_of_a_few_triangles_of_zero_area() {
         for (good, is_said) in [(18, true), (40, false)] {
-            let mut mesh = square();
-            mesh.triangles = [[0, 1, 2]].repeat(good);
-            mesh.triangles.push([0, 0, 1]);
-            let (mended, warnings) = repaired(mesh);
+            let positions = [Vec3::ZERO, Vec3::X, Vec3::Y].repeat(good);
+            let triangles = (0..good as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+            let triangles = triangles.chain([[0, 0, 1]]).collect();
+            let (mended, warnings) = repaired(Mesh { positions, triangles, ..Mesh::default() });
             assert_eq!(mended.triangles.len(), good);
             assert_eq!(warnings.contains("1 triangle of zero area"), is_said, "{warnings}");
         }
+    }
+
+    #[test]
+    fn repair_drops_triangles_that_are_there_again_and_again() {
+        let mut mesh = square();
+        let few = mesh.triangles.clone();
+        mesh.triangles = [vec![[2, 0, 1], [1, 0, 2]], few.repeat(20)].concat();
+        let (mended, warnings) = repaired(mesh);
+        assert_eq!(mended.triangles, [[2, 0, 1], [1, 0, 2], [0, 2, 3]]);
+        assert!(warnings.contains("39 triangles as before, at the same corners"), "{warnings}");
     }
 
     #[test]

@@ -132,7 +132,9 @@ mod tests {
         let settings = Settings {
             name: String::from("ball"),
             base: ExtendedBase::default(),
-            load_base: Box::new(|| Ok(Scene::default())),
+            load_base: Box::new(|_| Ok(Scene::default())),
+            mesh: None,
+            is_metered: false,
             command: String::new(),
             options: String::new(),
             devices: Devices::default(),

@@ -89,7 +89,9 @@ fn pages_choose_who_traces() {
     let settings = Settings {
         name: String::from("ball"),
         base: ExtendedBase::default(),
-        load_base: Box::new(|| Ok(Scene::default())),
+        load_base: Box::new(|_| Ok(Scene::default())),
+        mesh: None,
+        is_metered: false,
         command: String::new(),
         options: String::new(),
         devices,

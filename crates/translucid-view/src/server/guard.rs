@@ -43,11 +43,6 @@ impl Guard {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// Names that this server goes by.
-    fn hosts(&self) -> [String; 2] {
-        ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port))
-    }
-
     /// Why a request is turned away.
     fn refusal(
         &self,
@@ -59,12 +54,12 @@ impl Guard {
             let mut values = headers.get_all(name).iter();
             values.next().filter(|_| values.next().is_none()).and_then(|value| value.to_str().ok())
         };
-        if !self.hosts().iter().any(|host| single(header::HOST) == Some(host)) {
+        let Some(host) = single(header::HOST).filter(|host| is_this_machine(host)) else {
             return Some((StatusCode::FORBIDDEN, "this server goes by 127.0.0.1 and localhost only"));
-        }
+        };
         // A browser names the origin wherever more than reading is meant
         let changes = *method != Method::GET || headers.contains_key(header::UPGRADE);
-        let is_own = |origin: &str| self.hosts().iter().any(|host| origin == format!("http://{host}"));
+        let is_own = |origin: &str| origin.strip_prefix("http://") == Some(host);
         if (changes || headers.contains_key(header::ORIGIN)) && !single(header::ORIGIN).is_some_and(is_own) {
             return Some((StatusCode::FORBIDDEN, "only this server's own page may do that"));
         }
@@ -77,6 +72,14 @@ impl Guard {
         }
         None
     }
+}
+
+/// Whether a host is this machine by name. Its port is that of a tunnel's other end, or any: a page elsewhere that has its name
+/// lead to this machine comes by its own name.
+fn is_this_machine(host: &str) -> bool {
+    let (name, port) = host.split_once(':').unwrap_or((host, "80"));
+    let is_port = port.bytes().all(|byte| byte.is_ascii_digit()) && port.parse::<u16>().is_ok();
+    ["127.0.0.1", "localhost"].contains(&name) && is_port
 }
 
 /// Whether texts are equal, in a time that does not say where they differ.
@@ -121,19 +124,27 @@ mod tests {
         let guard = Guard::new(4000).unwrap();
         let path = format!("/{}/socket", guard.token);
         let host = (header::HOST, "127.0.0.1:4000");
-        let own = (header::ORIGIN, "http://localhost:4000");
+        let own = (header::ORIGIN, "http://127.0.0.1:4000");
         let upgrade = (header::UPGRADE, "websocket");
         let get = |path: &str, headers: &[(HeaderName, &str)]| refused(&guard, &Method::GET, path, headers);
         assert_eq!(get(&path, std::slice::from_ref(&host)), None);
         assert_eq!(get(&path, &[host.clone(), upgrade.clone(), own.clone()]), None);
         assert_eq!(refused(&guard, &Method::POST, &path, &[host.clone(), own.clone()]), None);
+        // Through a tunnel with another port at its other end
+        for name in ["localhost:9000", "127.0.0.1:4001", "localhost"] {
+            let origin = format!("http://{name}");
+            let headers = [(header::HOST, name), upgrade.clone(), (header::ORIGIN, &origin)];
+            assert_eq!(get(&path, &headers), None, "{name}");
+        }
 
         let forbidden = Some(StatusCode::FORBIDDEN);
         for name in [
             "evil.test:4000",
-            "127.0.0.1",
-            "127.0.0.1:4001",
             "localhost:4000.evil.test",
+            "localhost.evil.test:4000",
+            "localhost:",
+            "localhost:+4000",
+            "localhost:65536",
             "",
             "LOCALHOST:4000 ",
         ] {
@@ -144,7 +155,14 @@ mod tests {
         assert_eq!(get(&path, &[host.clone(), upgrade.clone()]), forbidden);
         assert_eq!(refused(&guard, &Method::POST, &path, std::slice::from_ref(&host)), forbidden);
         for origin in
-            ["http://evil.test", "null", "https://127.0.0.1:4000", "http://127.0.0.1:4000.evil.test"]
+            // Another server's page on this machine
+            [
+                "http://evil.test",
+                "null",
+                "http://localhost:4000",
+                "http://127.0.0.1:5000",
+                "http://127.0.0.1:4000.evil.test",
+            ]
         {
             assert_eq!(
                 get(&path, &[host.clone(), upgrade.clone(), (header::ORIGIN, origin)]),

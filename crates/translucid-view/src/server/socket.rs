@@ -160,6 +160,12 @@ impl Conversation {
                 self.ask(question);
                 Ok(())
             }
+            Heard::Turn(turn) => {
+                // The page waits, and the others do not
+                let (id, shared) = (turn.id(), Arc::clone(&self.shared));
+                let answer = tokio::task::spawn_blocking(move || turn.answer(&shared)).await;
+                self.send(answer.unwrap_or_else(|_| Question::failed(id))).await
+            }
             Heard::Painted(frame) => {
                 for number in &mut self.on_their_way {
                     number.take_if(|number| *number == frame);

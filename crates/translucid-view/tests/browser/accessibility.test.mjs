@@ -150,6 +150,20 @@ test("the switch of colors is kept", async () => {
     assert.equal(await background(), dark);
 });
 
+test("the first switch of colors shows in the dark and in the light", async () => {
+    for (const colorScheme of ["light", "dark"]) {
+        await page.emulateMedia({ colorScheme });
+        await page.evaluate(() => localStorage.clear());
+        await view.load();
+        const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+        const before = await background();
+        await view.click("theme");
+        assert.notEqual(await background(), before, colorScheme);
+    }
+    await page.evaluate(() => localStorage.clear());
+    await view.load();
+});
+
 for (const [width, height] of [[1000, 700], [1440, 900], [2560, 1440], [3840, 2160]]) {
     test(`nothing is cut off or overlaps at ${width} pixels`, async () => {
         await page.setViewportSize({ width, height });

@@ -87,6 +87,12 @@ test("the two halves on the screen are those of A and B", async () => {
 });
 
 test("difference and FLIP are maps with numbers", async () => {
+    // All that the page says beside its buttons
+    await page.evaluate(() => {
+        window.said = [];
+        const element = document.querySelector("#difference");
+        new MutationObserver(() => window.said.push(element.textContent)).observe(element, { childList: true, characterData: true, subtree: true });
+    });
     for (const name of ["difference", "flip"]) {
         await view.click(`show-${name}`);
         await page.waitForFunction((name) => window.translucidView.state.view === name, name);
@@ -98,6 +104,7 @@ test("difference and FLIP are maps with numbers", async () => {
     // The mean comes with its map, which takes longer than the picture
     const numbers = () => /^relMSE [\d.e-]+, noise [\d.e-]+, mean .LIP [\d.e-]+$/.test(document.querySelector("#difference").textContent);
     await page.waitForFunction(numbers);
+    assert.ok((await page.evaluate(() => window.said)).includes("Computing \ua7fbLIP \u2026"), "the map is on its way");
     await view.click("show-flip");
     await page.waitForFunction(() => window.translucidView.state.view === "radiance");
 });
@@ -134,20 +141,40 @@ test("the end of a comparison leaves A", async () => {
     await view.agrees("A alone");
 });
 
-test("against the random walk: B has it in every translucent material", async () => {
-    await view.reset();
+/** Compares with the random walk: the models of the two translucent materials on either side. */
+async function againstRandomWalk() {
     await view.click("truth");
     await page.waitForFunction(() => {
-        const { compare, sides } = window.translucidView.state;
-        return compare && sides.b.materials.slice(0, 2).every(({ subsurface_model }) => subsurface_model === "random-walk");
+        const { compare, active, sides } = window.translucidView.state;
+        return compare && active === "both" && sides.b.materials.slice(0, 2).every(({ model }) => model === "random-walk");
     });
     await view.done();
     const { sides } = await view.state();
-    assert.ok(sides.a.materials.every(({ subsurface_model }) => subsurface_model !== "random-walk"));
-    assert.notEqual(sides.b.materials[2].subsurface_model, "random-walk", "the floor is opaque");
-    await view.check("side-b");
-    await sideIs("b");
-    await view.agrees("B");
+    assert.equal(sides.b.materials[2].subsurface_model, "default", "the floor is opaque");
+    return ["a", "b"].map((side) => sides[side].materials.slice(0, 2).map(({ model }) => model));
+}
+
+test("against the random walk: A, which is one by default, becomes normalized diffusion", async () => {
+    await view.reset();
+    const { sides: { a } } = await view.state();
+    assert.deepEqual(a.materials.slice(0, 2).map(({ model }) => model), ["random-walk", "random-walk"]);
+    const both = await againstRandomWalk();
+    assert.deepEqual(both, [["normalized-diffusion", "normalized-diffusion"], ["random-walk", "random-walk"]]);
+    assert.ok(difference((await view.pixels("a")).codes, (await view.pixels("b")).codes) > 1000);
+    assert.match(await page.locator("#label-a").textContent(), /normalized-diffusion/);
+    for (const side of ["a", "b"]) {
+        await view.check(`side-${side}`);
+        await sideIs(side);
+        await view.agrees(side);
+    }
+});
+
+test("against the random walk: a model that was chosen stays", async () => {
+    await view.reset();
+    await view.choose("material-subsurface_model", "dipole");
+    await view.done();
+    const both = await againstRandomWalk();
+    assert.deepEqual(both, [["dipole", "normalized-diffusion"], ["random-walk", "random-walk"]]);
 });
 
 test("nothing was thrown and nothing refused", () => assert.deepEqual(view.complaints, []));

@@ -47,7 +47,7 @@ test("color keeps the strength", async () => {
 
 test("a light is carried around the scene as one piece", async () => {
     const old = await light(0);
-    const { center } = await view.page.evaluate(() => window.translucidView.hello.bounds);
+    const { center } = await view.page.evaluate(() => window.translucidView.state.bounds);
     const far = ({ center: place }) => length(place.map((x, i) => x - center[i]));
     await changes("azimuth", () => view.type("light-0-azimuth", 100));
     await changes("elevation", () => view.type("light-0-elevation", 30));

@@ -177,7 +177,7 @@ test("what the server refuses is said at its field, and changes nothing", async 
     await view.type("material-specular_roughness", 7);
     const error = view.page.locator("#material-specular_roughness-error");
     await error.waitFor({ state: "visible" });
-    assert.match(await error.textContent(), /specular_roughness.*7.*\[0, 1\]/);
+    assert.match(await error.textContent(), /^Roughness is 7, but must be in \[0, 1\]/);
     const field = view.page.locator("#material-specular_roughness");
     assert.equal(await field.getAttribute("aria-invalid"), "true");
     assert.equal(await field.inputValue(), "7");
@@ -191,6 +191,21 @@ test("what the server refuses is said at its field, and changes nothing", async 
     await view.done();
     assert.equal(await error.isVisible(), false);
     near(await value("specular_roughness"), 0.5);
+});
+
+test("refusals speak of labels, and of the units that there are", async () => {
+    const refuses = async (id, text, words) => {
+        await view.type(id, text);
+        const error = view.page.locator(".error:visible").first();
+        await error.waitFor();
+        assert.match(await error.textContent(), words);
+        await view.page.locator(`#${id}`).press("Escape");
+    };
+    await refuses("material-base_color-r", 2, /^Color red is 2, but must be in \[0, 1\]/);
+    await refuses("material-subsurface_color-green", 2, /^Surface albedo A green is 2, but must be in \[0, 1\]/);
+    await refuses("material-subsurface_radius", -1, /^Mean free path is -1, but must be/);
+    await refuses("material-subsurface_radius", "5 inch", /^\u201c5 inch\u201d is not a number .* \u00b5m, mm, cm or m$/);
+    await refuses("material-specular_ior", "5 mm", /^\u201c5 mm\u201d is not a number$/);
 });
 
 test("nothing was thrown and nothing refused", () => assert.deepEqual(view.complaints, []));

@@ -131,7 +131,7 @@ test("F frames all, from the same direction", async () => {
 });
 
 test("the scene's own camera comes back by the menu", async () => {
-    const own = (await page.evaluate(() => window.translucidView.hello.cameras))[0].camera;
+    const own = (await page.evaluate(() => window.translucidView.state.cameras))[0].camera;
     await view.choose("camera", 0);
     await view.done();
     near((await camera()).position, own.position);

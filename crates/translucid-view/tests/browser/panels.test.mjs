@@ -101,6 +101,9 @@ test("numbers are those of another color space, and of thin walls", async () => 
     await page.locator("#numbers-thin").fill("-1");
     await page.locator("#numbers-thin").press("Enter");
     await page.locator("#numbers-notes", { hasText: "thickness is -1, but must be finite and above 0" }).waitFor();
+    await page.locator("#numbers-thin").fill("5 inch");
+    await page.locator("#numbers-thin").press("Enter");
+    await page.locator("#numbers-thin-error", { hasText: "\u00b5m, mm, cm or m" }).waitFor();
     await page.locator("#numbers-thin").fill("");
     await page.locator("#numbers-thin").press("Enter");
     await view.choose("numbers-space", "Rec. 709");
@@ -150,7 +153,9 @@ test("values under the pointer are asked for eight times a second at most", asyn
         await page.waitForTimeout(10);
     }
     assert.ok(asked.length >= 2);
-    for (let i = 1; i < asked.length; i++) assert.ok(asked[i] - asked[i - 1] > 80);
+    // All together: of each alone a busy machine tells late
+    const seconds = (asked.at(-1) - asked[0]) / 1000;
+    assert.ok(asked.length - 2 <= 8 * seconds, `${asked.length} in ${seconds} s`);
 });
 
 test("the scale bar is as long as it says", async () => {

@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { difference, start } from "./view.mjs";
+import { decode } from "./png.mjs";
+import { SCENE, difference, serve, start } from "./view.mjs";
 
 const { open } = await start();
 const view = await open();
@@ -110,6 +111,47 @@ test("pause stops, and going on finishes the same picture", async () => {
     await view.click("pause");
     await view.type("integrator-samples_per_pixel", 4);
     await view.agrees("gone on");
+});
+
+test("noise is taken out of what is shown alone, not in comparisons, and not where that is switched off", async () => {
+    // So large that a picture stays far below the samples that need no smoothing
+    await view.choose("film-presets", "1920x1080");
+    await view.type("integrator-samples_per_pixel", 4096);
+    await view.page.waitForFunction(() => window.translucidView.lastFrame.samples >= 1 && window.translucidView.lastFrame.edge === 1);
+    await view.page.waitForFunction(() => /^shown (denoised|smoothed)$/.test(document.getElementById("detail").textContent));
+    await view.click("pause");
+    /** Pixels that differ between the left picture at rest on the screen and in the file. */
+    const differing = async (act) => {
+        await view.answered(act);
+        await view.page.waitForFunction(() => {
+            const { painted, state } = window.translucidView;
+            return painted.findLast(({ side }) => side === "a")?.version >= state.version;
+        });
+        const { samples } = await view.page.evaluate(() => window.translucidView.painted.findLast(({ side }) => side === "a"));
+        assert.ok(samples < 32, `${samples} samples`);
+        return difference((await view.pixels()).codes, decode(await view.save("png")).codes);
+    };
+    assert.equal(await differing(() => view.check("denoise", false)), 0, "switched off");
+    assert.ok((await differing(() => view.check("denoise"))) > 10_000, "switched on");
+    assert.equal(await differing(() => view.click("compare")), 0, "a comparison");
+    await view.click("compare");
+    await view.click("pause");
+    await view.reset();
+});
+
+test("the panel says which denoiser there is", async () => {
+    await view.click("tab-render");
+    const text = () => view.page.locator("#denoiser").textContent();
+    assert.match(await text(), /^(Open Image Denoise [\d.]+ \(.+\)|none: pip install pyoidn)$/);
+    process.env.TRANSLUCID_OIDN = "nowhere/libOpenImageDenoise.so";
+    const server = await serve(SCENE);
+    delete process.env.TRANSLUCID_OIDN;
+    await view.page.goto(server.address);
+    await view.page.click("#tab-render");
+    await view.page.locator("#denoiser").waitFor();
+    assert.match(await text(), /^none: nowhere.libOpenImageDenoise.so: there is no such library/);
+    await view.load();
+    await server.stop();
 });
 
 test("the command is the one that makes the picture", async () => {

@@ -141,6 +141,10 @@ test("a picture that is dropped becomes the environment, and one that is none is
     await drop(view.page, { "sky.hdr": Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x40\x40\x40\x81", "latin1") });
     await view.page.waitForFunction(() => window.translucidView.state.images.some(({ name }) => name === "sky.hdr"));
     await view.done();
+    // Four pixels in a row are no panorama
+    await drop(view.page, { "row.hdr": Buffer.from("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 4\n" + "\x80\x80\x80\x81".repeat(4), "latin1") });
+    await view.page.waitForFunction(() => window.translucidView.state.notes.some((note) => note.startsWith("row.hdr: the environment has 4 x 1 pixels")));
+    await view.done();
     await drop(view.page, { "broken.hdr": "#?RADIANCE\nnonsense" });
     await view.page.locator(".notice.error", { hasText: "broken.hdr" }).waitFor();
     await view.reset();
@@ -149,10 +153,18 @@ test("a picture that is dropped becomes the environment, and one that is none is
 test("meshes that are dropped show, with the files that they name", async () => {
     await shows(view, { "tetrahedron.obj": TETRAHEDRON, "colors.mtl": "newmtl green\nKd 0.1 0.7 0.2\n" }, "tetrahedron.obj");
     assert.equal(await view.page.locator("#material option").first().textContent(), "green");
+    await view.answered(() => view.choose("mesh-up", "-x"));
+    assert.equal((await view.state()).orientation.up, "-x");
+    await view.page.waitForFunction(() => window.translucidView.lastFrame.version >= window.translucidView.state.version);
+    assert.match(String(await view.save("scene")), /^up = "-x"$/m);
     await shows(view, { "triangle.glb": triangle() }, "triangle.glb");
     assert.equal((await view.page.evaluate(() => window.translucidView.hello.objects[0].name)), "triangle");
     const { codes } = await view.pixels();
     assert.ok(new Set(codes.filter((_, i) => i % 4 === 1)).size > 20);
+    // Compressed by Draco
+    const ball = await readFile(join(import.meta.dirname, "../../../translucid-load/tests/data/draco_edgebreaker.glb"));
+    await shows(view, { "ball.glb": ball }, "ball.glb");
+    assert.ok(new Set((await view.pixels()).codes.filter((_, i) => i % 4 === 1)).size > 20);
 });
 
 test("a broken file is named, and the scene before it stays", async () => {

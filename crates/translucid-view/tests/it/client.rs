@@ -16,7 +16,7 @@ use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket};
 
 /// Longest that anything may take on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A page that is served until this is dropped.
 pub(crate) struct Served {
@@ -40,7 +40,9 @@ impl Served {
         let settings = Settings {
             name: "still life".into(),
             base: ExtendedBase { extends: "still-life".into(), ..ExtendedBase::default() },
-            load_base: Box::new(|| still_life(&LoadOptions::default())),
+            load_base: Box::new(|_| still_life(&LoadOptions::default())),
+            mesh: None,
+            is_metered: false,
             command: String::new(),
             options: String::new(),
             devices: Devices::default(),

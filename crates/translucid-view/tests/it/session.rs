@@ -252,7 +252,7 @@ fn pages_are_told_what_has_changed() {
         client.hear();
     }
     assert_eq!(client.state["undo"], false);
-    assert_eq!(client.state["camera"]["position"], client.hello["cameras"][0]["camera"]["position"]);
+    assert_eq!(client.state["camera"]["position"], client.state["cameras"][0]["camera"]["position"]);
 }
 
 #[test]

@@ -43,6 +43,10 @@ test("nothing works before the module is loaded, which may be tried again", asyn
     refused(() => translucid.models(), "the module is not loaded: await init() first");
     await assert.rejects(init(Promise.reject(new Error("no network"))), /no network/);
     await assert.rejects(init(new Response("", { status: 404 })), /status 404/);
+    // A server that has its page for everything
+    const page = new Response("<!doctype html>", { headers: { "content-type": "text/html" } });
+    await assert.rejects(init(page), /no WebAssembly module: status 200, text\/html.*optimizeDeps/);
+    await assert.rejects(init(new Response("")), /no WebAssembly module/);
     await Promise.all([init(), init()]);
     assert.equal(translucid.version(), JSON.parse(await readFile(new URL("package.json", PLACE))).version);
 });
@@ -52,7 +56,9 @@ test("the module imports nothing and is small", async () => {
     assert.deepEqual(WebAssembly.Module.imports(await WebAssembly.compile(bytes)), []);
     const size = gzipSync(bytes, { level: 9 }).length;
     console.log(`translucid.wasm: ${bytes.length} bytes, ${size} with gzip`);
-    assert.ok(size < MOST_BYTES, `${size} bytes`);
+    // What is built fast for tests is larger than what is published
+    const most = process.env.WASM_PROFILE === "wasm-quick" ? 2 * MOST_BYTES : MOST_BYTES;
+    assert.ok(size < most, `${size} bytes`);
 });
 
 test("models are those of the types and of the command", async () => {
@@ -235,7 +241,7 @@ test("arguments that cannot be used are refused by name", () => {
         [() => jade.eval(-1), "r is -1, but must be at least 0"],
         [() => jade.eval([0, NaN]), "r[1] is NaN, but must be at least 0"],
         [() => jade.sample([0.5, 2]), "u[1] is 2, but must be in [0, 1]"],
-        [() => Profile.fromTable({ r: [1, 1, 3, 4], reflectance: [4, 3, 2, 1] }), /^r is 1, but must be greater than the one/],
+        [() => Profile.fromTable({ r: [1, 1, 3, 4], reflectance: [4, 3, 2, 1] }), /^r is 1, but must be .*greater than the one/],
         [() => new Profile(), "surfaceAlbedo is missing"],
         [() => new Profile(null), "options is null, but must be an object"],
         [() => new HalfSpace({ surfaceAlbedo: 0.5, eta: 5 }), "eta is 5, but must be in [0.5, 3]"],

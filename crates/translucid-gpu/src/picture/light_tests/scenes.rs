@@ -206,19 +206,6 @@ pub(super) fn single_lights() -> Vec<Case> {
     ]
 }
 
-pub(super) fn delta_lights() -> Vec<Case> {
-    vec![
-        Case::of("distant", distant(0.0)),
-        Case::of("spot", spot(Vec3::Z, 0.0, [20.0, 80.0])),
-        Case::of("hard spot", spot(Vec3::Z, 0.0, [60.0, 60.001])),
-        Case::of("point", spot(Vec3::Z, 0.0, [0.0, 180.0])),
-        Case::of(
-            "beam",
-            Light::Beam { origin: Vec3::Z * 9.0, direction: Vec3::NEG_Z, radius: 0.9, power: COLOR },
-        ),
-    ]
-}
-
 fn each_kind() -> Vec<Light> {
     vec![
         rectangle(Vec3::new(0.0, 0.0, 2.0), Vec3::X, Vec3::NEG_Y),

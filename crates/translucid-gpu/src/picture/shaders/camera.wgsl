@@ -7,20 +7,6 @@ fn filter_offset(u: f32) -> f32 {
     return mix(tables[at], tables[at + 1u], place - f32(index));
 }
 
-// A point of the unit disk, with areas kept [P. Shirley & K. Chiu 1997, A Low Distortion Map Between Disk and Square].
-fn disk_point(u: vec2f) -> vec2f {
-    let square = 2.0 * u - 1.0;
-    if (square.x == 0.0 && square.y == 0.0) {
-        return vec2f(0.0);
-    }
-    if (abs(square.x) > abs(square.y)) {
-        let angle = 0.7853982 * square.y / square.x;
-        return square.x * vec2f(cos(angle), sin(angle));
-    }
-    let angle = 1.5707964 - 0.7853982 * square.x / square.y;
-    return square.y * vec2f(cos(angle), sin(angle));
-}
-
 // Begins the path of a sample.
 fn begin(slot: u32, item: u32) {
     let pixels = settings.region.x * settings.region.y;
@@ -38,7 +24,7 @@ fn begin(slot: u32, item: u32) {
         way = vec3f(0.0, 0.0, 1.0);
     }
     if (settings.lens_radius > 0.0) {
-        let lens = vec3f(disk_point(u.zw) * settings.lens_radius, 0.0);
+        let lens = vec3f(concentric_disk(u.zw) * settings.lens_radius, 0.0);
         way = way * settings.focus_distance - lens;
         start += lens;
     }

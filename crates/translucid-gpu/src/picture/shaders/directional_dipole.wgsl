@@ -29,7 +29,7 @@ fn dipole_density(kernel: u32, albedo: f32, stated: f32, offset: vec3f, light: v
     let transport_mfps_per_mfp = absorbed + alpha_prime / (1.0 - tables[table]);
     let per_length = select(transport_mfps_per_mfp, sqrt(3.0 * absorbed / (1.0 + absorbed)), tables[kernel + IS_DMFP] > 0.0);
     let transport_mfp = max(clamp(stated, 1e-18, 1e18) * per_length, 1e-30);
-    let boundary = table_color(kernel + DIPOLE_BOUNDARY);
+    let boundary = table_vector(kernel + DIPOLE_BOUNDARY);
     let eta = tables[kernel + REFRACTION_ETA];
     let dipole = directional_dipole(medium.x, alpha_prime, 1.0 / transport_mfps_per_mfp, boundary.x, boundary.y, boundary.z, eta);
     // Beyond that all distances are alike

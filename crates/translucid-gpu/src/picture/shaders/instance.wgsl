@@ -75,15 +75,6 @@ fn triangle_at(number: u32) -> Triangle {
     return Triangle(to_world * a + origin, stored, to_world * b + origin, instance, to_world * c + origin);
 }
 
-fn unit_or(v: vec3f, fallback: vec3f) -> vec3f {
-    // Scaled first: squares of small areas vanish
-    let size = max(abs(v.x), max(abs(v.y), abs(v.z)));
-    if (!(size > 0.0)) {
-        return fallback;
-    }
-    return normalize(v / size);
-}
-
 // Unit normal on the outside of the mesh.
 fn geometric_normal(triangle: Triangle) -> vec3f {
     var normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);

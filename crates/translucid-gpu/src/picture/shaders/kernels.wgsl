@@ -329,11 +329,11 @@ fn sample_lights(@builtin(global_invocation_id) id: vec3u) {
         if (sample.triangle != NO_TRIANGLE) {
             let place = triangle_light_surface(sample.triangle);
             if (place >= 0.0) {
-                radiance = emission_at(u32(place), triangle_light_place(v.yz));
+                radiance = emission_at(u32(place), uniform_triangle(v.yz));
             }
         }
         if (work == AT_CATCHER) {
-            let weight = light_luminance(radiance) * max(dot(light.normal, sample.direction), 0.0) / sample.pdf;
+            let weight = luminance(radiance) * max(dot(light.normal, sample.direction), 0.0) / sample.pdf;
             if (!(weight > 0.0 && weight < NEVER)) {
                 continue;
             }

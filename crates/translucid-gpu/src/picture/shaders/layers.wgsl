@@ -77,7 +77,7 @@ fn shells_around(material: u32, innermost: vec3f, offset: f32) -> Shells {
 }
 
 fn shell_sigma_t(shells: ptr<function, Shells>, number: u32) -> vec3f {
-    return min(table_color((*shells).at + number * SHELL_WORDS + SHELL_SIGMA_T), vec3f((*shells).finest));
+    return min(table_vector((*shells).at + number * SHELL_WORDS + SHELL_SIGMA_T), vec3f((*shells).finest));
 }
 
 fn shell_at(shells: ptr<function, Shells>, depth: f32) -> ShellMedium {
@@ -163,7 +163,7 @@ fn end_flight_in_shells(
         if (flight.is_known || numbers.x < share) {
             var alpha = (*walk).alpha;
             if (here.number < (*shells).count) {
-                alpha = table_color((*shells).at + here.number * SHELL_WORDS + SHELL_ALPHA);
+                alpha = table_vector((*shells).at + here.number * SHELL_WORDS + SHELL_ALPHA);
             }
             (*path).throughput *= alpha * part / max(share, 1e-30);
             (*walk).draws += select(1u, 0u, flight.is_known);

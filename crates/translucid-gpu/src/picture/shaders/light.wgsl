@@ -13,6 +13,8 @@ var<private> lights_at: u32;
 const NO_TRIANGLE = 0xffffffffu;
 // The distance of what is infinitely far, and of a ray without an end.
 const INFINITE_DISTANCE = 1e30f;
+// Where the words of a light's shape begin.
+const LIGHT_SHAPE = 2u;
 // A density up to which a sample counts.
 const GREATEST_DENSITY = 1e37f;
 
@@ -48,16 +50,14 @@ fn light_sample_toward(direction: vec3f, distance: f32, radiance: vec3f, pdf: f3
     return LightSample(direction, distance, radiance, pdf, false, true, NO_TRIANGLE);
 }
 
-fn light_sample_delta(direction: vec3f, distance: f32, irradiance: vec3f) -> LightSample {
-    return LightSample(direction, distance, irradiance, 1.0, true, true, NO_TRIANGLE);
+// What a law has drawn.
+fn light_sample_of(draw: LightDraw, is_delta: bool) -> LightSample {
+    let is_usable = draw.pdf > 0.0 && draw.distance >= 0.0;
+    return LightSample(draw.direction, draw.distance, draw.radiance, draw.pdf, is_delta, is_usable, NO_TRIANGLE);
 }
 
 fn light_number(place: u32) -> u32 {
     return u32(tables[lights_at + place]);
-}
-
-fn light_vector(at: u32) -> vec3f {
-    return vec3f(tables[at], tables[at + 1u], tables[at + 2u]);
 }
 
 fn light_placed_count() -> u32 {
@@ -73,11 +73,7 @@ fn light_kind(at: u32) -> u32 {
 }
 
 fn light_radiance(at: u32) -> vec3f {
-    return light_vector(at + 2u);
-}
-
-fn light_luminance(color: vec3f) -> f32 {
-    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+    return table_vector(at + 2u);
 }
 
 // Draws a direction toward a light, chosen by the first number. `normal` is the unit normal of the hemisphere from which light
@@ -94,11 +90,12 @@ fn light_sample(point: vec3f, normal: vec3f, choice: f32, u: vec2f) -> LightSamp
         sample.pdf *= chosen.probability;
     } else {
         let at = light_at(chosen.light);
+        let shape = at + LIGHT_SHAPE;
         switch light_kind(at) {
             case LIGHT_SKY, LIGHT_MAP, LIGHT_DISC: {
                 var direction = vec3f(0.0);
                 if (light_kind(at) == LIGHT_DISC) {
-                    direction = disc_light_direction(at, u);
+                    direction = distant_light_direction_of_disc(distant_light_at(shape), u);
                 } else {
                     direction = sky_direction(at, normal, u);
                 }
@@ -112,16 +109,17 @@ fn light_sample(point: vec3f, normal: vec3f, choice: f32, u: vec2f) -> LightSamp
                 sample = ellipse_light_sample(at, point, u);
             }
             case LIGHT_SPHERE: {
-                sample = sphere_light_sample(at, point, u);
+                sample = light_sample_of(sphere_light_draw(sphere_light_at(shape), point, u), false);
             }
             case LIGHT_SPOT: {
-                sample = spot_light_sample(at, point);
+                sample = light_sample_of(spot_light_draw(spot_light_at(shape), point), true);
             }
             case LIGHT_BEAM: {
-                sample = beam_light_sample(at, point);
+                sample = light_sample_of(beam_light_draw(beam_light_at(shape), point), true);
             }
             default: {
-                sample = light_sample_delta(light_vector(at + 5u), INFINITE_DISTANCE, light_radiance(at));
+                let light = distant_light_at(shape);
+                sample = light_sample_of(LightDraw(light.direction, INFINITE_DISTANCE, light.irradiance, 1.0), true);
             }
         }
         if (sample.distance < INFINITE_DISTANCE || sample.is_delta) {
@@ -130,6 +128,46 @@ fn light_sample(point: vec3f, normal: vec3f, choice: f32, u: vec2f) -> LightSamp
     }
     sample.is_usable = sample.is_usable && sample.pdf > 0.0 && sample.pdf < GREATEST_DENSITY;
     return sample;
+}
+
+// Estimate of the irradiance (luminance) that a light brings; 0 only if it cannot contribute.
+fn light_importance(light: u32, point: vec3f, normal: vec3f) -> f32 {
+    let receiver = Receiver(point, normal);
+    var importance = 0.0;
+    if (light >= light_placed_count()) {
+        importance = triangle_light_importance(light - light_placed_count(), receiver);
+    } else {
+        let at = light_at(light);
+        let shape = at + LIGHT_SHAPE;
+        switch light_kind(at) {
+            case LIGHT_RECTANGLE: {
+                importance = rectangle_light_importance(at, receiver);
+            }
+            case LIGHT_ELLIPSE: {
+                importance = 0.25 * PI * rectangle_light_importance(at, receiver);
+            }
+            case LIGHT_SPHERE: {
+                importance = sphere_light_importance(sphere_light_at(shape), receiver);
+            }
+            case LIGHT_SPOT: {
+                importance = spot_light_importance(spot_light_at(shape), receiver);
+            }
+            case LIGHT_BEAM: {
+                importance = beam_light_importance(beam_light_at(shape), receiver);
+            }
+            case LIGHT_SKY, LIGHT_MAP: {
+                importance = sky_importance(at, receiver);
+            }
+            default: {
+                importance = distant_light_importance(distant_light_at(shape), receiver);
+            }
+        }
+    }
+    // A NaN fails the comparison
+    if (importance > 0.0) {
+        return clamp(importance, LEAST_IMPORTANCE, GREATEST_IMPORTANCE);
+    }
+    return 0.0;
 }
 
 // The nearest light with a surface that a ray meets before `t_max` on the side that emits; the camera looks through those that
@@ -153,7 +191,7 @@ fn light_intersect(origin: vec3f, direction: vec3f, t_max: f32, of_camera: bool)
                 t = ellipse_light_distance(at, origin, direction);
             }
             default: {
-                t = sphere_light_distance(at, origin, direction);
+                t = sphere_light_distance(sphere_light_at(at + LIGHT_SHAPE), origin, direction);
             }
         }
         if (t >= 0.0 && t < hit.t) {
@@ -167,7 +205,7 @@ fn light_intersect(origin: vec3f, direction: vec3f, t_max: f32, of_camera: bool)
         hit.position = origin + direction * hit.t;
         hit.radiance = light_radiance(at);
         if (light_kind(at) == LIGHT_SPHERE) {
-            hit.radiance = sphere_light_radiance(at, -direction);
+            hit.radiance = sphere_light_radiance_toward(sphere_light_at(at + LIGHT_SHAPE), -direction);
         }
     }
     return hit;
@@ -185,7 +223,7 @@ fn light_hit_pdf(odds: LightOdds, hit: LightHit, point: vec3f) -> f32 {
             density = ellipse_light_pdf(at, point, hit.position);
         }
         default: {
-            density = sphere_light_pdf(at, point, hit.position);
+            density = sphere_light_pdf(sphere_light_at(at + LIGHT_SHAPE), point, hit.position);
         }
     }
     if (density <= 0.0) {
@@ -216,7 +254,7 @@ fn environment_radiance(direction: vec3f) -> vec3f {
     for (var i = 0u; i < count; i++) {
         let at = light_at(light_number(light_number(4u) + i));
         if (light_kind(at) == LIGHT_DISC) {
-            sum += disc_light_radiance(at, direction);
+            sum += distant_light_radiance(distant_light_at(at + LIGHT_SHAPE), direction);
         } else {
             sum += sky_radiance(at, direction);
         }
@@ -254,7 +292,7 @@ fn infinite_light_pdf(odds: LightOdds, normal: vec3f, direction: vec3f) -> f32 {
         let at = light_at(light);
         var density = 0.0;
         if (light_kind(at) == LIGHT_DISC) {
-            density = disc_light_pdf(at, direction);
+            density = distant_light_pdf(distant_light_at(at + LIGHT_SHAPE), direction);
         } else {
             density = sky_pdf(at, normal, direction);
         }

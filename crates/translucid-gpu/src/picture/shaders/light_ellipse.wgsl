@@ -30,8 +30,7 @@ fn ellipse_light_sample(at: u32, point: vec3f, u: vec2f) -> LightSample {
     if (seen.z >= 0.0) {
         return no_light_sample();
     }
-    let polar = concentric_polar(u);
-    let place = polar.x * turned_circle(polar.y);
+    let place = concentric_disk(u);
     let solid_angle = sampled_solid_angle(seen);
     if (solid_angle > 0.0) {
         let sides = 0.5 * (1.0 + vec2f(place.x, -place.x));
@@ -64,7 +63,7 @@ fn ellipse_light_distance(at: u32, origin: vec3f, direction: vec3f) -> f32 {
     if (t < 0.0) {
         return t;
     }
-    let on_plane = direction * t - (light_vector(at + 5u) - origin);
+    let on_plane = direction * t - (table_vector(at + 5u) - origin);
     let place = 2.0 * rectangle_place(at, on_plane) / vec2f(tables[at + 17u], tables[at + 18u]) - 1.0;
     return select(-1.0, t, dot(place, place) <= 1.0);
 }

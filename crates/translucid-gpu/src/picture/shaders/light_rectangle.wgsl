@@ -21,24 +21,25 @@ struct SeenRectangle {
 
 // Words: corner, unit vectors along the edges, normal, size.
 fn seen_rectangle(at: u32, point: vec3f) -> SeenRectangle {
-    let offset = light_vector(at + 5u) - point;
-    let corner = vec2f(dot(offset, light_vector(at + 8u)), dot(offset, light_vector(at + 11u)));
+    let offset = table_vector(at + 5u) - point;
+    let corner = vec2f(dot(offset, table_vector(at + 8u)), dot(offset, table_vector(at + 11u)));
     let size = vec2f(tables[at + 17u], tables[at + 18u]);
-    return SeenRectangle(corner, corner + size, size, dot(offset, light_vector(at + 14u)));
+    return SeenRectangle(corner, corner + size, size, dot(offset, table_vector(at + 14u)));
 }
 
 // Estimate of the irradiance: solid angle, seen from afar A cos/d², from near up to 2π, times the height of the highest corner
 // above the horizon over the distance of the middle, at most 1.
-fn rectangle_light_importance(at: u32, point: vec3f, normal: vec3f) -> f32 {
-    let seen = seen_rectangle(at, point);
+fn rectangle_light_importance(at: u32, receiver: Receiver) -> f32 {
+    let normal = receiver.normal;
+    let seen = seen_rectangle(at, receiver.point);
     if (seen.z >= 0.0) {
         return 0.0;
     }
     let middle = length(vec3f(0.5 * (seen.low + seen.high), seen.z));
     var cosine = 1.0;
-    if (has_normal(normal)) {
-        let rise = max(vec2f(dot(normal, light_vector(at + 8u)), dot(normal, light_vector(at + 11u))) * seen.size, vec2f(0.0));
-        let highest = dot(normal, light_vector(at + 5u) - point) + rise.x + rise.y;
+    if (receiver_has_normal(receiver)) {
+        let rise = max(vec2f(dot(normal, table_vector(at + 8u)), dot(normal, table_vector(at + 11u))) * seen.size, vec2f(0.0));
+        let highest = dot(normal, table_vector(at + 5u) - receiver.point) + rise.x + rise.y;
         cosine = min(highest / middle, 1.0);
     }
     if (cosine <= 0.0) {
@@ -49,7 +50,7 @@ fn rectangle_light_importance(at: u32, point: vec3f, normal: vec3f) -> f32 {
     let z = seen.z / middle;
     let flux = (seen.size.x / middle) * (seen.size.y / middle) * -z;
     let solid_angle = flux / (dot(nearest, nearest) + z * z + flux * (0.5 / PI));
-    return max(light_luminance(light_radiance(at)) * solid_angle * cosine, LEAST_IMPORTANCE);
+    return max(luminance(light_radiance(at)) * solid_angle * cosine, LEAST_IMPORTANCE);
 }
 
 // Offset within the plane from the foot of the point to the rectangle.
@@ -133,9 +134,9 @@ fn plane_light_sample(at: u32, seen: SeenRectangle, offset: vec2f, pdf: f32) -> 
     let local = vec3f(offset, seen.z);
     let distance = length(local);
     let toward = local / distance;
-    let x = light_vector(at + 8u);
-    let y = light_vector(at + 11u);
-    let direction = x * toward.x + y * toward.y + light_vector(at + 14u) * toward.z;
+    let x = table_vector(at + 8u);
+    let y = table_vector(at + 11u);
+    let direction = x * toward.x + y * toward.y + table_vector(at + 14u) * toward.z;
     return light_sample_toward(direction, distance, light_radiance(at), pdf);
 }
 
@@ -153,7 +154,7 @@ fn rectangle_light_pdf(at: u32, point: vec3f, place: vec3f) -> f32 {
 
 fn plane_offset(at: u32, point: vec3f, place: vec3f) -> vec2f {
     let offset = place - point;
-    return vec2f(dot(offset, light_vector(at + 8u)), dot(offset, light_vector(at + 11u)));
+    return vec2f(dot(offset, table_vector(at + 8u)), dot(offset, table_vector(at + 11u)));
 }
 
 // The x up to which a share of the solid angle lies. Where the paper adds angles, numbers e^iγ are multiplied.
@@ -169,7 +170,7 @@ fn rectangle_x_at(seen: SeenRectangle, solid_angle: f32, share: f32) -> f32 {
     let upper = vec2f(n_low.x * b_high, z / to_low.x * (length(vec3f(seen.low.x, seen.high.y, z)) / to_high_y));
     let lower = vec2f(n_low.x * b_low, z / to_low.x * (length(vec3f(seen.low, z)) / to_low.y));
     let angles = complex_times(upper, lower);
-    let turned = complex_times(turned_circle(share * solid_angle * (0.5 / PI)), vec2f(angles.x, -angles.y));
+    let turned = complex_times(circle(share * solid_angle * (0.5 / PI)), vec2f(angles.x, -angles.y));
     // x = z/√(f² − (1 − b²)) with f = (cos b − b')/sin, times the sine above and below
     let f = turned.x * b_low - b_high;
     let sine = turned.y * z / to_low.y;
@@ -198,12 +199,12 @@ fn rectangle_y_at(seen: SeenRectangle, x: f32, ends: vec2f, share: f32) -> f32 {
 
 // Distance at which a ray meets the emitting side; below 0 if it misses it.
 fn rectangle_light_distance(at: u32, origin: vec3f, direction: vec3f) -> f32 {
-    let normal = light_vector(at + 14u);
+    let normal = table_vector(at + 14u);
     let approach = dot(direction, normal);
     if (approach >= 0.0) {
         return -1.0;
     }
-    let to_corner = light_vector(at + 5u) - origin;
+    let to_corner = table_vector(at + 5u) - origin;
     let t = dot(to_corner, normal) / approach;
     if (!(t > 0.0 && t < INFINITE_DISTANCE)) {
         return -1.0;
@@ -215,5 +216,5 @@ fn rectangle_light_distance(at: u32, origin: vec3f, direction: vec3f) -> f32 {
 }
 
 fn rectangle_place(at: u32, from_corner: vec3f) -> vec2f {
-    return vec2f(dot(from_corner, light_vector(at + 8u)), dot(from_corner, light_vector(at + 11u)));
+    return vec2f(dot(from_corner, table_vector(at + 8u)), dot(from_corner, table_vector(at + 11u)));
 }

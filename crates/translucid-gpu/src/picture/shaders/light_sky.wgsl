@@ -22,9 +22,9 @@ fn map_number(map: u32, place: u32) -> u32 {
 // A direction of the world in the environment's frame.
 fn map_direction(map: u32, direction: vec3f) -> vec3f {
     return vec3f(
-        dot(light_vector(map + 6u), direction),
-        dot(light_vector(map + 9u), direction),
-        dot(light_vector(map + 12u), direction),
+        dot(table_vector(map + 6u), direction),
+        dot(table_vector(map + 9u), direction),
+        dot(table_vector(map + 12u), direction),
     );
 }
 
@@ -63,28 +63,28 @@ fn map_texel(texels: u32, number: u32) -> vec3f {
 }
 
 // The irradiance, of an image an estimate from six exact ones; 0 only if all of the hemisphere is black.
-fn sky_importance(at: u32, normal: vec3f) -> f32 {
+fn sky_importance(at: u32, receiver: Receiver) -> f32 {
     if (light_kind(at) == LIGHT_SKY) {
-        return PI * light_luminance(light_radiance(at));
+        return PI * luminance(light_radiance(at));
     }
     let map = map_tables(at);
     let positive = vec3f(tables[map + 15u], tables[map + 17u], tables[map + 19u]);
     let negative = vec3f(tables[map + 16u], tables[map + 18u], tables[map + 20u]);
-    if (!has_normal(normal)) {
+    if (!receiver_has_normal(receiver)) {
         let greatest = max(positive, negative);
         return max(max(greatest.x, greatest.y), greatest.z);
     }
-    let local = map_direction(map, normal);
+    let local = map_direction(map, receiver.normal);
     return dot(local * local, select(positive, negative, local < vec3f(0.0)));
 }
 
 // One color is drawn with the cosine if there is a normal: that leaves no noise on a matte surface.
 fn sky_direction(at: u32, normal: vec3f, u: vec2f) -> vec3f {
     if (light_kind(at) == LIGHT_SKY) {
-        if (has_normal(normal)) {
-            return cosine_direction(normal, u);
+        if (!is_zero_vector(normal)) {
+            return cosine_hemisphere(normal, u);
         }
-        return uniform_cone(vec3f(0.0, 0.0, 1.0), 2.0, u);
+        return uniform_sphere(u);
     }
     let map = map_tables(at);
     let hash = light_hash(0.0, u);
@@ -105,9 +105,9 @@ fn sky_direction(at: u32, normal: vec3f, u: vec2f) -> vec3f {
     let left = map_column_edge(map, column);
     let turns = left + table_rest(column_table, column, column_word) * (map_column_edge(map, column + 1u) - left);
     // The image's middle is half a turn from where the circle begins
-    let circle = -turned_circle(turns);
+    let circle = -circle(turns);
     let local = vec3f(sine * circle.y, halves.y - halves.x, -sine * circle.x);
-    let world = light_vector(map + 6u) * local.x + light_vector(map + 9u) * local.y + light_vector(map + 12u) * local.z;
+    let world = table_vector(map + 6u) * local.x + table_vector(map + 9u) * local.y + table_vector(map + 12u) * local.z;
     return normalize(world);
 }
 
@@ -123,7 +123,7 @@ fn map_column_edge(map: u32, column: u32) -> f32 {
 
 fn sky_pdf(at: u32, normal: vec3f, direction: vec3f) -> f32 {
     if (light_kind(at) == LIGHT_SKY) {
-        return select(0.25 / PI, light_cosine(normal, direction) / PI, has_normal(normal));
+        return select(max(dot(normal, direction), 0.0) / PI, 0.25 / PI, is_zero_vector(normal));
     }
     let map = map_tables(at);
     let place = map_place(map_direction(map, direction));

@@ -52,14 +52,14 @@ fn tree_weight(at: u32, point: vec3f, normal: vec3f) -> f32 {
         return 0.0;
     }
     // Distance to the center, not less than the box's radius
-    let to = tables_vector(at) - point;
-    let half_size = tables_vector(at + 3u);
+    let to = table_vector(at) - point;
+    let half_size = table_vector(at + 3u);
     let radius = tables[at + 6u];
     let distance2 = dot(to, to);
     let distance = sqrt(distance2);
     let per_distance = 1.0 / max(distance, radius);
     // θ, from the axis to the receiver, less θ_o
-    let cos = -dot(tables_vector(at + 7u), to) * per_distance;
+    let cos = -dot(table_vector(at + 7u), to) * per_distance;
     let sin = sqrt(max(1.0 - cos * cos, 0.0));
     let cos_o = tables[at + 10u];
     let sin_o = tables[at + 11u];
@@ -74,7 +74,7 @@ fn tree_weight(at: u32, point: vec3f, normal: vec3f) -> f32 {
     // The bound as an estimate where all normals are the same, else the mean over directions and how it leans
     let bound = strength * max(cos_emitted, COSINE_ROOM);
     let mean = tables[at + 14u];
-    let moments = max(mean - dot(tables_vector(at + 15u), to) * per_distance, LEAST_LEAN * mean);
+    let moments = max(mean - dot(table_vector(at + 15u), to) * per_distance, LEAST_LEAN * mean);
     let alike = tables[at + 18u];
     let intensity = alike * bound + (1.0 - alike) * min(moments, bound);
     // Mean cosine over heights from the lowest to the highest corner, above the horizon
@@ -82,7 +82,7 @@ fn tree_weight(at: u32, point: vec3f, normal: vec3f) -> f32 {
     let reach = dot(abs(normal), half_size) * per_distance + HORIZON_ROOM;
     let highest = middle + reach;
     var cosine = 1.0;
-    if (has_normal(normal)) {
+    if (!is_zero_vector(normal)) {
         if (highest <= 0.0) {
             return 0.0;
         }
@@ -93,10 +93,6 @@ fn tree_weight(at: u32, point: vec3f, normal: vec3f) -> f32 {
     }
     let nearness = 1.0 / max(distance, NEAREST * radius);
     return clamp(intensity * nearness * nearness * cosine, LEAST_IMPORTANCE, GREATEST_IMPORTANCE);
-}
-
-fn tables_vector(at: u32) -> vec3f {
-    return vec3f(tables[at], tables[at + 1u], tables[at + 2u]);
 }
 
 // Selects a light of the tree by a word. Where bounds are too wide, it may turn out that none can contribute.

@@ -44,7 +44,9 @@ fn textured(texture: f32, uv: vec2f) -> vec4f {
     let y = tables[at + 6u] * uv.x + tables[at + 8u] * uv.y + tables[at + 10u];
     let place = vec2f(wrapped(x, wrap.x), 1.0 - wrapped(y, wrap.y)) * vec2f(size) - 0.5;
     let first = floor(place);
-    let part = place - first;
+    let between = place - first;
+    // The pixel whose square holds the place, where that is asked for
+    let part = select(between, step(vec2f(0.5), between), tables[at + 11u] > 0.0);
     let left = neighbor(i32(first.x), size.x, wrap.x);
     let right = neighbor(i32(first.x) + 1, size.x, wrap.x);
     let up = neighbor(i32(first.y), size.y, wrap.y);
@@ -70,13 +72,15 @@ struct Met {
     opacity: f32,
     // Mean free paths of the medium below; 0 in channels whose light leaves too near its entry for positions to resolve.
     length: vec3f,
+    // Where the tables of the material's two indices begin.
+    tables: u32,
     // The surface over the medium's albedo.
-    surface: Surface,
+    surface: SurfaceParameters,
 }
 
 // The value of an input at a point.
 fn input_at(place: u32, point: Point) -> vec3f {
-    var value = table_color(place);
+    var value = table_vector(place);
     let kind = u32(tables[place + 4u]);
     if (tables[place + 3u] >= 0.0) {
         let texel = textured(tables[place + 3u], point.uv);
@@ -127,7 +131,7 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     met.opacity = clamp(values[GEOMETRY_OPACITY].x, 0.0, 1.0);
     met.emission = emitted(values[EMISSION_COLOR], m);
     let is_thin = tables[m + GEOMETRY_THIN_WALLED] > 0.0;
-    var p: Surface;
+    var p: SurfaceParameters;
     p.base_color = unit(values[BASE_COLOR]) * tables[m + BASE_WEIGHT];
     p.metalness = unit(values[BASE_METALNESS]).x;
     p.specular_weight = unit(values[SPECULAR_WEIGHT]).x;
@@ -136,17 +140,13 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     p.specular_ior = tables[m + SPECULAR_IOR];
     p.transmission_weight = unit(values[TRANSMISSION_WEIGHT]).x;
     p.transmission_tint = unit(values[TRANSMISSION_COLOR]);
-    if (tables[m + TRANSMISSION_DEPTH] > 0.0 && !is_thin) {
-        p.transmission_tint = vec3f(1.0);
-    }
     p.subsurface_weight = unit(values[SUBSURFACE_WEIGHT]).x;
     p.surface_albedo = unit(values[SUBSURFACE_COLOR]);
     p.coat_weight = unit(values[COAT_WEIGHT]).x;
     p.coat_color = unit(values[COAT_COLOR]);
     p.coat_roughness = unit(values[COAT_ROUGHNESS]).x;
     p.coat_ior = tables[m + COAT_IOR];
-    p.is_thin = u32(is_thin);
-    p.tables = u32(tables[m + REFLECTANCES]);
+    met.tables = u32(tables[m + REFLECTANCES]);
     let stated = max(values[SUBSURFACE_RADIUS_SCALE], vec3f(0.0)) * max(values[SUBSURFACE_RADIUS].x, 0.0);
     if (u32(tables[m + BELOW_KIND]) == PROFILE_BELOW) {
         set_profile(&met, &p, kernel_of(point.material), stated);
@@ -160,9 +160,7 @@ fn met_at(triangle: u32, b: vec2f) -> Met {
     }
     p.subsurface_active = select(vec3f(0.0), vec3f(1.0), met.length > vec3f(0.0));
     if (is_thin) {
-        let g = tables[m + SUBSURFACE_SCATTER_ANISOTROPY];
-        p.thin_albedo = 0.5 * p.surface_albedo * (1.0 + g);
-        p.surface_albedo = 0.5 * p.surface_albedo * (1.0 - g);
+        p = surface_parameters_scattered_to_both_sides(p, tables[m + SUBSURFACE_SCATTER_ANISOTROPY]);
     }
     met.surface = p;
     return met;
@@ -174,11 +172,11 @@ fn kernel_of(material: u32) -> u32 {
 }
 
 // Surface albedos of a profile, and lengths, 0 in channels half of whose light leaves too near its entry.
-fn set_profile(met: ptr<function, Met>, p: ptr<function, Surface>, kernel: u32, stated: vec3f) {
+fn set_profile(met: ptr<function, Met>, p: ptr<function, SurfaceParameters>, kernel: u32, stated: vec3f) {
     var length = stated;
     if (tables[kernel + HAS_OWN] > 0.0) {
-        (*p).surface_albedo = table_color(kernel + OWN_ALBEDO);
-        length = table_color(kernel + OWN_LENGTH);
+        (*p).surface_albedo = table_vector(kernel + OWN_ALBEDO);
+        length = table_vector(kernel + OWN_LENGTH);
     }
     (*met).length = resolved(kernel, (*p).surface_albedo, length, (*met).offset);
 }
@@ -231,21 +229,6 @@ fn bent_normal(point: Point, m: u32, texel: vec3f) -> vec3f {
     return normal;
 }
 
-// The shading normal that is nearest among those that face the seen side of a surface.
-fn facing(normal: vec3f, geometric: vec3f, view: vec3f) -> vec3f {
-    let seen = dot(view, geometric);
-    let promised = dot(view, normal);
-    if (seen * promised > 0.0 || seen == 0.0) {
-        return normal;
-    }
-    let lifted = normal + view * (select(-1e-3, 1e-3, seen >= 0.0) - promised);
-    let squared = dot(lifted, lifted);
-    if (squared > 1e-30) {
-        return lifted * inverseSqrt(squared);
-    }
-    return geometric;
-}
-
 // Values of a medium's table at surface albedos.
 fn of_albedos(table: u32, albedo: vec3f) -> vec3f {
     let place = clamp(albedo, vec3f(0.0), vec3f(1.0)) * f32(ALBEDOS);
@@ -269,7 +252,7 @@ fn absorption_behind(met: ptr<function, Met>, direction: vec3f, before: vec3f) -
         return before;
     }
     if (dot(direction, (*met).geometric) < 0.0) {
-        return table_color(m + ABSORPTION);
+        return table_vector(m + ABSORPTION);
     }
     return vec3f(0.0);
 }

@@ -105,7 +105,7 @@ fn cluster_share(rows: ptr<function, SmoothRows>, cluster: u32, offset: vec3f, n
     let radius = sqrt(dot(offset, offset) + SOFTENING * SOFTENING);
     let jets = smooth_jets(rows, radius, sqrt(nearest * nearest + SOFTENING * SOFTENING));
     // Rows of the symmetric spread
-    let a = table_color(cluster + 5u);
+    let a = table_vector(cluster + 5u);
     let b = vec3f(a.y, tables[cluster + 8u], tables[cluster + 9u]);
     let c = vec3f(a.z, b.z, tables[cluster + 10u]);
     let along = dot(offset, vec3f(dot(a, offset), dot(b, offset), dot(c, offset))) / (radius * radius);
@@ -137,7 +137,7 @@ fn shape_factor(material: u32, group: u32, exit: Below, position: vec3f) -> vec3
     let per_spacing = tables[at + 5u];
     let clusters = shapes + u32(tables[at + 6u]);
     let points = shapes + u32(tables[at + 7u]);
-    let place = (position - table_color(at + 2u)) * per_spacing;
+    let place = (position - table_vector(at + 2u)) * per_spacing;
     var rows = smooth_rows(head(MEDIA) + profile_at_place, exit, 1.0 / per_spacing);
     var energy = vec3f(0.0);
     let kernel = kernel_of(material);
@@ -158,7 +158,7 @@ fn shape_factor(material: u32, group: u32, exit: Below, position: vec3f) -> vec3
             let node = open[count];
             let cluster = clusters + CLUSTER_WORDS * node;
             let radius = tables[cluster + 3u];
-            let offset = table_color(cluster) - place;
+            let offset = table_vector(cluster) - place;
             let far = length(offset);
             let right = u32(tables[cluster + 12u]);
             if (far - radius > NEIGHBORHOOD) {
@@ -179,7 +179,7 @@ fn shape_factor(material: u32, group: u32, exit: Below, position: vec3f) -> vec3
             let start = points + SURFEL_WORDS * u32(tables[cluster + 13u]);
             for (var i = 0u; i < u32(tables[cluster + 14u]); i += 1u) {
                 let surfel = start + SURFEL_WORDS * i;
-                let way = table_color(surfel) - place;
+                let way = table_vector(surfel) - place;
                 let radius = sqrt(dot(way, way) + SOFTENING * SOFTENING);
                 energy += smooth_jets(&rows, radius, NEVER).value * tables[surfel + 3u];
             }

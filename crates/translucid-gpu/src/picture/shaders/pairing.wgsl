@@ -52,13 +52,13 @@ fn pair_of(kernel: u32, pairing: u32, exit: Below, material: u32, offset: f32, t
 
 // Greatest surface albedo of any pair with an exit of the given one.
 fn brightest_pair(pairing: u32, exit: vec3f) -> vec3f {
-    let greatest = table_color(pairing + BRIGHTEST_ENTRY);
+    let greatest = table_vector(pairing + BRIGHTEST_ENTRY);
     return select(greatest, geometric_mean(greatest, exit), tables[pairing + IS_SYMMETRIC] > 0.0);
 }
 
 // The surface that makes paths look below a dark exit where the light may have entered at a bright point; the color only sets
 // how often they do.
-fn brightened(p: Surface, pairing: u32) -> Surface {
+fn brightened(p: SurfaceParameters, pairing: u32) -> SurfaceParameters {
     var surface = p;
     let brighter = max(p.surface_albedo, 0.5 * brightest_pair(pairing, p.surface_albedo));
     surface.surface_albedo = mix(p.surface_albedo, brighter, p.subsurface_active);

@@ -54,7 +54,7 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, material: 
     var profile_count = 3u;
     if (pairing != 0u) {
         brightest = brightest_pair(pairing, exit.surface_albedo);
-        widest = Below(table_color(pairing + WIDEST_ALBEDO), table_color(pairing + WIDEST_LENGTH));
+        widest = Below(table_vector(pairing + WIDEST_ALBEDO), table_vector(pairing + WIDEST_LENGTH));
         proposals = 6u;
         profile_count = select(6u, PROFILES, is_hit);
         if (is_hit) {
@@ -83,7 +83,7 @@ fn probe_step(path: ptr<function, Path>, probe: ptr<function, Probe>, material: 
         profiles[i] = profile_of(kernel, parameters.surface_albedo[c], parameters.length[c]);
         within[i] = profile_at(profiles[i], profiles[i].longest).yz;
     }
-    let axes = table_color(kernel + AXES);
+    let axes = table_vector(kernel + AXES);
     let frame = frame_of((*probe).normal);
     if (!is_hit) {
         next_probe(path, probe, &profiles, &within, proposals, shares, axes, frame);
@@ -210,11 +210,11 @@ fn set_segment(
 ) -> bool {
     let radius = profile_sample(profile, within, u.x);
     let half_way = sqrt(max(profile.longest - radius, 0.0)) * sqrt(profile.longest + radius);
-    let around = circle_at(u.y) * radius;
+    let around = circle(u.y) * radius;
     let across = axis_of(frame, (axis + 1u) % 3u) * around.x + axis_of(frame, (axis + 2u) % 3u) * around.y;
     let center = (*probe).exit + across;
     let direction = -axis_of(frame, axis);
-    let middle = dot(table_color(MIDDLE) - center, direction);
+    let middle = dot(table_vector(MIDDLE) - center, direction);
     let reach = tables[DIAGONAL];
     let start = max(-half_way, middle - reach);
     let end = min(half_way, middle + reach);
@@ -242,7 +242,7 @@ fn directional_weight(
         return vec3f(1.0);
     }
     let is_dipole = tables[kernel + DIRECTIONS] == DIPOLE;
-    oblique_means = table_color(kernel + OBLIQUE_MEANS);
+    oblique_means = table_vector(kernel + OBLIQUE_MEANS);
     oblique_is_searchlight = tables[kernel + IS_SEARCHLIGHT] > 0.0;
     let cos_outside = min(dot(toward, normal), 1.0);
     let onward = cos_outside * normal - toward;

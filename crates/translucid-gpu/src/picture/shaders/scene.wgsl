@@ -39,20 +39,12 @@ fn head(place: u32) -> u32 {
     return u32(tables[place]);
 }
 
-fn table_color(place: u32) -> vec3f {
-    return vec3f(tables[place], tables[place + 1u], tables[place + 2u]);
-}
-
 const NEVER = 1e30;
 
 fn power_heuristic(ours: f32, others: f32) -> f32 {
     // Squares of densities may overflow
     let ratio = others / max(ours, 1e-30);
     return 1.0 / (1.0 + ratio * ratio);
-}
-
-fn greatest(color: vec3f) -> f32 {
-    return max(color.x, max(color.y, color.z));
 }
 
 fn sum(color: vec3f) -> f32 {
@@ -67,13 +59,10 @@ fn absorbed(absorption: vec3f, distance: f32) -> vec3f {
     return exp(-absorption * max(distance, 0.0));
 }
 
-// Axes whose third is a unit normal [Duff et al. 2017, Building an Orthonormal Basis, Revisited].
+// Axes whose third is a unit normal.
 fn frame_of(z: vec3f) -> mat3x3f {
-    let sign = select(-1.0, 1.0, z.z >= 0.0);
-    let a = -1.0 / (sign + z.z);
-    let b = z.x * z.y * a;
-    let x = vec3f(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x);
-    return mat3x3f(x, vec3f(b, sign + z.y * z.y * a, -z.y), z);
+    let frame = frame_from_normal(z);
+    return mat3x3f(frame.x, frame.y, frame.z);
 }
 
 fn to_local(frame: mat3x3f, v: vec3f) -> vec3f {

@@ -35,7 +35,7 @@ fn deposit(slot: u32, shadow: ptr<function, Shadow>) {
     if ((*shadow).layer == TO_SUBSURFACE) {
         slots[slot].found.subsurface += (*shadow).matte;
     } else if ((*shadow).layer == TO_ALPHA) {
-        slots[slot].found.alpha -= coverage(slots[slot].path.throughput) * min(light_luminance((*shadow).matte), 1.0);
+        slots[slot].found.alpha -= coverage(slots[slot].path.throughput) * min(luminance((*shadow).matte), 1.0);
     } else {
         slots[slot].found.matte += (*shadow).matte;
         slots[slot].found.specular += (*shadow).specular;
@@ -85,26 +85,25 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
     weaken(shadow, absorbed((*shadow).absorption, (*shadow).hit_t));
     let is_body = is_matched && is_passed_alike(met, is_soft);
     let p = (*met).surface;
-    let is_wall = p.is_thin != 0u && !is_soft;
+    let is_wall = p.thin != 0u && !is_soft;
     var bsdf: Bsdf;
     if (is_body || is_wall) {
         var seen = p;
         var normal = (*met).normal;
         if (is_soft) {
-            seen = surface_seen_softly(p);
+            seen = surface_parameters_seen_softly(p);
         }
         if (is_body && dot(direction, normal) < 0.0) {
             // As paths look below
-            seen.surface_albedo = max(seen.surface_albedo, table_color(shell_words((*met).material) + BRIGHTEST_SHELL));
+            seen.surface_albedo = max(seen.surface_albedo, table_vector(shell_words((*met).material) + BRIGHTEST_SHELL));
         }
         if (is_wall) {
             normal = facing(normal, (*met).geometric, -direction);
         }
-        bsdf = bsdf_new(seen, to_local(frame_of(normal), -direction));
+        bsdf = bsdf_new((*met).tables, seen, to_local(frame_of(normal), -direction));
     }
     if (is_body) {
-        let passed = select(vec3f(0.0), bsdf.below, bsdf.choose_below > 0.0 && !bsdf.is_thin);
-        enter_body(shadow, met, rest, passed);
+        enter_body(shadow, met, rest, bsdf_below(bsdf));
         return;
     }
     var passed = vec3f(1.0 - (*met).opacity);
@@ -112,10 +111,10 @@ fn free_step(slot: u32, shadow: ptr<function, Shadow>, met: ptr<function, Met>) 
     if (clear > 0.0) {
         (*shadow).absorption = absorption_behind(met, direction, (*shadow).absorption);
         let cosine = abs(dot(direction, (*met).smooth_normal));
-        passed += straight_transmittance(p, cosine) * ((*met).opacity * clear);
+        passed += surface_parameters_straight_transmittance(p, cosine) * ((*met).opacity * clear);
     }
     if (is_wall) {
-        passed += bsdf_straight_through_wall(&bsdf) * (*met).opacity;
+        passed += bsdf_straight_through_wall(bsdf) * (*met).opacity;
     }
     weaken(shadow, passed);
     (*shadow).origin = ray_origin(met, direction);
@@ -213,5 +212,10 @@ fn leave_body(shadow: ptr<function, Shadow>, met: ptr<function, Met>, distance: 
 
 // Factor of a surface on a radiance that enters from a direction.
 fn entering(met: ptr<function, Met>, direction: vec3f, side: f32) -> vec3f {
-    return entry_weight((*met).surface, clamp(dot(direction, (*met).normal) * side, 0.0, 1.0));
+    return entry_weight(met, clamp(dot(direction, (*met).normal) * side, 0.0, 1.0));
+}
+
+// The share of a radiance that enters a scattering medium at a cosine.
+fn entry_weight(met: ptr<function, Met>, cosine: f32) -> vec3f {
+    return entry_entering(entry_new((*met).tables, (*met).surface), (*met).tables, cosine);
 }

@@ -75,7 +75,7 @@ fn look_for_shadow(
 ) {
     (*path).work = ENDED;
     (*found).alpha = 1.0;
-    let sent = light_luminance((*light).radiance);
+    let sent = luminance((*light).radiance);
     if ((*light).kind == NO_LIGHT || !(sent > 0.0)) {
         (*found).alpha -= coverage((*path).throughput);
         return;
@@ -115,7 +115,7 @@ fn arrive(
     }
     if (((*path).flags & SOFT) != 0u && clear > 0.0 && u.z < clear) {
         (*path).absorption = absorption_behind(met, incoming, (*path).absorption);
-        pass_surface(path, met, straight_transmittance(p, abs(dot(incoming, (*met).smooth_normal))));
+        pass_surface(path, met, surface_parameters_straight_transmittance(p, abs(dot(incoming, (*met).smooth_normal))));
         return;
     }
     let normal = facing((*met).normal, (*met).geometric, -incoming);
@@ -126,7 +126,7 @@ fn arrive(
         (*found).depth = distance((*met).position, (*path).mis_point);
     }
     let is_spent = (*path).depth >= head(MAX_DEPTH);
-    let can_be_passed = tables[m + IS_MATCHED] > 0.0 || p.is_thin != 0u;
+    let can_be_passed = tables[m + IS_MATCHED] > 0.0 || p.thin != 0u;
     if ((is_spent && !can_be_passed) || !survives(path, u.y)) {
         return;
     }
@@ -140,7 +140,7 @@ fn arrive(
 // The normal that light selection may rely on: 0 where light from both sides counts.
 fn light_normal(met: ptr<function, Met>, m: u32, normal: vec3f, incoming: vec3f) -> vec3f {
     let p = (*met).surface;
-    let is_lit_from_behind = p.is_thin != 0u && tables[m + INPUT_WORDS * SUBSURFACE_WEIGHT] > 0.0;
+    let is_lit_from_behind = p.thin != 0u && tables[m + INPUT_WORDS * SUBSURFACE_WEIGHT] > 0.0;
     if (tables[m + INPUT_WORDS * TRANSMISSION_WEIGHT] > 0.0 || is_lit_from_behind) {
         return vec3f(0.0);
     }
@@ -186,13 +186,13 @@ fn scatter_at_surface(
     let is_matte = p.metalness < 1.0 && p.transmission_weight < 1.0;
     let light_is_soft = is_soft || (is_matte && head(CAUSTICS) == 0u);
     if (is_soft) {
-        p = surface_seen_softly(p);
+        p = surface_parameters_seen_softly(p);
     }
     if ((*path).diffuse_depth >= head(MAX_DIFFUSE_DEPTH)) {
         if (tables[m + IS_MATCHED] > 0.0 && p.metalness == 0.0) {
-            p = surface_without_matte(p);
+            p = surface_parameters_without_matte(p);
         } else {
-            p = surface_without_diffuse(p);
+            p = surface_parameters_without_diffuse(p);
         }
     }
     let pairing = pairing_of((*met).material);
@@ -201,18 +201,18 @@ fn scatter_at_surface(
     }
     if (u32(tables[m + BELOW_KIND]) == WALK_BELOW && dot(incoming, normal) < 0.0 && greatest(p.subsurface_active) > 0.0) {
         // Shells may be brighter; the color only sets how often paths look below
-        p.surface_albedo = max(p.surface_albedo, table_color(shell_words((*met).material) + BRIGHTEST_SHELL));
+        p.surface_albedo = max(p.surface_albedo, table_vector(shell_words((*met).material) + BRIGHTEST_SHELL));
     }
-    var bsdf = bsdf_new(p, to_local(frame, -incoming));
+    let bsdf = bsdf_new((*met).tables, p, to_local(frame, -incoming));
     if (((*path).flags & IS_FIRST) != 0u) {
         (*path).flags &= ~IS_FIRST;
         (*found).albedo = bsdf.albedo;
     }
     // Sets of numbers are taken one after the other, as on the processor
-    (*path).flags = select((*path).flags & ~UNLIT, (*path).flags | UNLIT, is_spent || bsdf_is_smooth_only(&bsdf));
+    (*path).flags = select((*path).flags & ~UNLIT, (*path).flags | UNLIT, is_spent || bsdf_is_smooth_only(bsdf));
     let v = stratified((*path).sampler, (*path).vertex, surface_sets((*path).flags) - 1u);
-    var chosen = bsdf_choose(&bsdf, v.x, v.yz);
-    let has_light = (*light).kind != NO_LIGHT && !bsdf_is_smooth_only(&bsdf);
+    var chosen = bsdf_draw(bsdf, (*met).tables, v.x, v.yz);
+    let has_light = (*light).kind != NO_LIGHT && !bsdf_is_smooth_only(bsdf);
     let is_drawn = chosen.kind == DIRECTION && chosen.lobe != MIRROR;
     // One evaluation for the light sample, and one for the direction that was drawn
     for (var k = 0u; k < 2u; k += 1u) {
@@ -223,11 +223,11 @@ fn scatter_at_surface(
         if (k == 0u) {
             wi = to_local(frame, (*light).direction);
         }
-        let value = bsdf_eval(&bsdf, wi);
+        let value = bsdf_eval(bsdf, (*met).tables, wi);
         if (k == 0u) {
             send_from_surface(path, met, light, shadow, normal, value, light_is_soft);
         } else {
-            chosen = bsdf_weighed(chosen, value);
+            chosen = bsdf_draw_weighed(chosen, value);
         }
     }
     if (chosen.kind == BELOW) {
@@ -240,7 +240,7 @@ fn scatter_at_surface(
         return;
     }
     // Straight through a thin wall, as light samples go; the camera, which has taken none, sees what is behind as through any glass
-    let is_straight = p.is_thin != 0u && chosen.is_transmitted && chosen.lobe == MIRROR && (*path).depth > 0u;
+    let is_straight = p.thin != 0u && chosen.is_transmitted && chosen.lobe == MIRROR && (*path).depth > 0u;
     if (chosen.kind == NOTHING || (is_spent && !is_straight)) {
         return;
     }

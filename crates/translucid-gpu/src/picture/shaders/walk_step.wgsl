@@ -8,8 +8,6 @@ const PROBE_SETS = 3u;
 const CLEAR_SETS = 5u;
 const MATTE_SETS = 3u;
 const END_SETS = 2u;
-// |g| below which directions are drawn evenly: the quotient of the closed form would be rounding noise.
-const ISOTROPIC = 1e-3;
 
 // Numbers of a walk: stratified for its first events, then independent, behind so many single ones.
 fn walk_numbers(path: ptr<function, Path>, is_clear: bool, number: u32, draws: u32) -> vec4f {
@@ -54,11 +52,11 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
     var direction = toward;
     if (surface == CLEAR) {
         if (eta != 1.0) {
-            let refracted = refract_through(-toward, outward, eta);
-            if (!refracted.is_refracted) {
+            let bent = refracted(-toward, outward, eta);
+            if (!bent.exists) {
                 return;
             }
-            direction = refracted.direction;
+            direction = bent.direction;
         }
     } else {
         let frame = frame_of(normal * side);
@@ -75,11 +73,11 @@ fn begin_walk(slot: u32, path: ptr<function, Path>, met: ptr<function, Met>, nor
             direction = -(frame * sample_cosine(choice));
         } else if (eta != 1.0) {
             let wo = to_local(frame, -toward);
-            let refracted = refract_through(wo, sample_visible(roughness, wo, choice), eta);
-            if (!refracted.is_refracted) {
+            let bent = refracted(wo, ggx_sample_visible(ggx_from_roughness(roughness), wo, choice), eta);
+            if (!bent.exists) {
                 return;
             }
-            direction = frame * refracted.direction;
+            direction = frame * bent.direction;
         }
         // Where the shading normal leads outside, the mirror image leads as far in
         direction = normalize(direction - outward * (2.0 * max(dot(direction, outward), 0.0)));
@@ -171,26 +169,6 @@ fn reweighed(throughput: vec3f, density: vec3f) -> vec3f {
     return weighted * (sum(throughput) / all);
 }
 
-fn phase(g: f32, cosine: f32) -> f32 {
-    if (abs(g) < ISOTROPIC) {
-        return 0.25 * INVERSE_PI;
-    }
-    let squared = max(1.0 + g * g - 2.0 * g * cosine, 1e-30);
-    return 0.25 * INVERSE_PI * (1.0 - g * g) / (squared * sqrt(squared));
-}
-
-fn turned(g: f32, direction: vec3f, u: vec2f) -> vec3f {
-    let around = circle_at(u.y);
-    if (abs(g) < ISOTROPIC) {
-        let cosine = 1.0 - 2.0 * u.x;
-        return vec3f(sqrt(max(1.0 - cosine * cosine, 0.0)) * around, cosine);
-    }
-    let root = (1.0 - g * g) / (1.0 + g - 2.0 * g * u.x);
-    let cosine = clamp((1.0 + g * g - root * root) / (2.0 * g), -1.0, 1.0);
-    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    return normalize(frame_of(direction) * vec3f(sine * around, cosine));
-}
-
 // Where a flight has ended: at a surface, or at a collision, for which walks through shells need to know how deep it is.
 fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<function, Light>) {
     (*path).work = WALK_RAY;
@@ -235,7 +213,7 @@ fn flight_step(path: ptr<function, Path>, walk: ptr<function, Walk>, light: ptr<
 
 // Returns true if a point is too far off to come back to the body, or not finite.
 fn is_lost(point: vec3f) -> bool {
-    let off = point - table_color(MIDDLE);
+    let off = point - table_vector(MIDDLE);
     return !(dot(off, off) <= tables[FARTHEST]);
 }
 
@@ -285,10 +263,11 @@ fn scatter_walk(
     // Between clear surfaces an event has a set for its light sample, too
     let is_clear = u32(tables[m + WALK_SURFACE]) == CLEAR;
     let u = walk_numbers(path, is_clear, (*walk).events * select(1u, 2u, is_clear), (*walk).draws);
-    let after = turned(g, before, u.xy);
-    (*walk).pdf = phase(g, dot(before, after));
+    let phase = henyey_greenstein_new(g);
+    let after = henyey_greenstein_sample(phase, before, u.xy);
+    (*walk).pdf = henyey_greenstein_pdf(phase, dot(before, after));
     if ((*light).kind != NO_LIGHT) {
-        send_from_collision(path, walk, light, shadow, shells.least, phase(g, dot(before, (*light).direction)));
+        send_from_collision(path, walk, light, shadow, shells.least, henyey_greenstein_pdf(phase, dot(before, (*light).direction)));
         (*shadow).group = group;
     }
     let survival = min(sum((*path).throughput) / (ROULETTE_BELOW * (*walk).entered), 1.0);
@@ -374,15 +353,15 @@ fn reach_end(path: ptr<function, Path>, walk: ptr<function, Walk>, met: ptr<func
             set_out(path, walk, flight_from(&shells, 0.0), u.y);
             return;
         }
-        let refracted = refract_through(-direction, -outward, 1.0 / eta);
-        if (!refracted.is_refracted) {
+        let bent = refracted(-direction, -outward, 1.0 / eta);
+        if (!bent.exists) {
             return;
         }
-        direction = refracted.direction;
+        direction = bent.direction;
     }
     (*path).direction = direction;
     let has_scattered = ((*path).flags & HAS_SCATTERED) != 0u;
-    var weight = coat_tint_one_way((*met).surface);
+    var weight = surface_parameters_coat_tint_one_way((*met).surface);
     if (eta == 1.0) {
         weight = entering(met, direction, (*walk).side);
         if (!has_scattered) {
@@ -426,7 +405,7 @@ fn scatter_at_matte_end(
         if (!(cosine > 0.0 && dot(direction, geometric) > 0.0) || (k == 0u && (*light).kind == NO_LIGHT)) {
             continue;
         }
-        var weight = entry_weight((*met).surface, min(cosine, 1.0));
+        var weight = entry_weight(met, min(cosine, 1.0));
         if (is_probed) {
             weight *= directional_weight(probe, met, normal, (*walk).direction, kernel_of((*walk).material), direction);
         }

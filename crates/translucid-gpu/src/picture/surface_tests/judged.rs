@@ -3,9 +3,11 @@
 use std::array;
 
 use glam::Vec3;
+use translucid_law::Words;
 use translucid_render::internals::bsdf::{BsdfSample, BsdfValue, Lobe, MaterialTables, SurfaceParameters};
 
 use crate::picture::evaluate::Evaluation;
+use crate::program::LAWS;
 
 /// Words of a surface, and of a case: a surface and two triples.
 const SURFACE_WORDS: usize = 31;
@@ -21,11 +23,11 @@ const READ: &str = "
 fn triple_at(i: u32) -> vec3f {
     return vec3f(inputs[i], inputs[i + 1u], inputs[i + 2u]);
 }
-fn surface_at(i: u32) -> Surface {
-    return Surface(
+fn surface_at(i: u32) -> SurfaceParameters {
+    return SurfaceParameters(
         triple_at(i), inputs[i + 3u], triple_at(i + 4u), inputs[i + 7u], triple_at(i + 8u), inputs[i + 11u],
         triple_at(i + 12u), inputs[i + 15u], triple_at(i + 16u), inputs[i + 19u], triple_at(i + 20u), inputs[i + 23u],
-        triple_at(i + 24u), inputs[i + 27u], inputs[i + 28u], inputs[i + 29u], u32(inputs[i + 30u]), 0u,
+        triple_at(i + 24u), inputs[i + 27u], inputs[i + 28u], inputs[i + 29u], u32(inputs[i + 30u]),
     );
 }
 fn put(o: u32, triple: vec3f) {
@@ -36,30 +38,7 @@ fn put(o: u32, triple: vec3f) {
 ";
 
 /// The shaders of surfaces.
-pub(super) const SHADERS: [&str; 4] = [
-    include_str!("../shaders/facets.wgsl"),
-    include_str!("../shaders/interface.wgsl"),
-    include_str!("../shaders/surface.wgsl"),
-    READ,
-];
-
-fn surface_words(p: &SurfaceParameters) -> [f32; SURFACE_WORDS] {
-    let rows = [
-        (p.base_color, p.metalness),
-        (p.specular_color, p.specular_weight),
-        (p.transmission_tint, p.transmission_weight),
-        (p.surface_albedo, p.subsurface_weight),
-        (
-            Vec3::from_array(p.subsurface_active.map(|active| f32::from(u8::from(active)))),
-            p.specular_roughness,
-        ),
-        (p.coat_color, p.coat_weight),
-        (p.thin_wall.unwrap_or_default(), p.coat_roughness),
-    ];
-    let last = [p.specular_ior, p.coat_ior, f32::from(u8::from(p.thin_wall.is_some()))];
-    let words = rows.iter().flat_map(|(color, x)| [color.x, color.y, color.z, *x]).chain(last);
-    words.collect::<Vec<_>>().try_into().expect("as many words")
-}
+pub(super) const SHADERS: [&str; 3] = [LAWS[0], LAWS[1], READ];
 
 /// Outputs of statements for cases: a surface, `surface_at(i)`, and two triples at `i + 31u` and `i + 34u`.
 pub(super) fn answers<const N: usize>(
@@ -71,7 +50,7 @@ pub(super) fn answers<const N: usize>(
     let widths = [CASE_WORDS, N];
     let evaluation = Evaluation { shaders: &SHADERS, body, tables: &tables, images: &[0], widths };
     let inputs: Vec<f32> =
-        cases.into_iter().flat_map(|(p, a, b)| surface_words(&p).into_iter().chain(a).chain(b)).collect();
+        cases.into_iter().flat_map(|(p, a, b)| p.words().into_iter().chain(a).chain(b)).collect();
     let outputs: Vec<f32> =
         inputs.chunks(MOST_CASES * CASE_WORDS).flat_map(|inputs| evaluation.run(inputs)).collect();
     outputs.chunks_exact(N).map(|output| array::from_fn(|k| output[k])).collect()
@@ -87,8 +66,8 @@ pub(super) fn eval(
     cases: impl IntoIterator<Item = (SurfaceParameters, Vec3, Vec3)>,
 ) -> Vec<BsdfValue> {
     let body = "
-        var b = bsdf_new(surface_at(i), triple_at(i + 31u));
-        let value = bsdf_eval(&b, triple_at(i + 34u));
+        let b = bsdf_new(0u, surface_at(i), triple_at(i + 31u));
+        let value = bsdf_eval(b, 0u, triple_at(i + 34u));
         put(o, value.diffuse);
         put(o + 3u, value.specular);
         outputs[o + 6u] = value.pdf;";
@@ -103,9 +82,12 @@ pub(super) fn sample(
     cases: impl IntoIterator<Item = (SurfaceParameters, Vec3, [f32; 3])>,
 ) -> Vec<Option<BsdfSample>> {
     let body = "
-        var b = bsdf_new(surface_at(i), triple_at(i + 31u));
+        let b = bsdf_new(0u, surface_at(i), triple_at(i + 31u));
         let u = triple_at(i + 34u);
-        let drawn = bsdf_sample(&b, u.x, u.yz);
+        var drawn = bsdf_draw(b, 0u, u.x, u.yz);
+        if (drawn.kind == DIRECTION && drawn.lobe != MIRROR) {
+            drawn = bsdf_draw_weighed(drawn, bsdf_eval(b, 0u, drawn.wi));
+        }
         outputs[o] = f32(drawn.kind);
         outputs[o + 1u] = f32(drawn.lobe);
         outputs[o + 2u] = select(0.0, 1.0, drawn.is_transmitted);
@@ -139,9 +121,9 @@ pub(super) fn seen(
     cases: impl IntoIterator<Item = (SurfaceParameters, Vec3)>,
 ) -> Vec<(Vec3, bool)> {
     let body = "
-        var b = bsdf_new(surface_at(i), triple_at(i + 31u));
+        let b = bsdf_new(0u, surface_at(i), triple_at(i + 31u));
         put(o, b.albedo);
-        outputs[o + 3u] = select(0.0, 1.0, bsdf_is_smooth_only(&b));";
+        outputs[o + 3u] = select(0.0, 1.0, bsdf_is_smooth_only(b));";
     let cases = cases.into_iter().map(|(p, wo)| (p, wo.to_array(), [0.0; 3]));
     answers(tables, body, cases).into_iter().map(|w: [f32; 4]| (triple(&w[..3]), w[3] == 1.0)).collect()
 }
@@ -151,7 +133,7 @@ pub(super) fn entry_weight(
     tables: &MaterialTables,
     cases: impl IntoIterator<Item = (SurfaceParameters, f32)>,
 ) -> Vec<Vec3> {
-    let body = "put(o, entry_weight(surface_at(i), inputs[i + 31u]));";
+    let body = "put(o, entry_entering(entry_new(0u, surface_at(i)), 0u, inputs[i + 31u]));";
     let cases = cases.into_iter().map(|(p, cosine)| (p, [cosine, 0.0, 0.0], [0.0; 3]));
     answers(tables, body, cases).into_iter().map(|w: [f32; 3]| triple(&w)).collect()
 }

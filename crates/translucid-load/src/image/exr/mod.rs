@@ -10,10 +10,12 @@ use translucid_scene::{SceneError, Warning};
 use super::encoding::Samples;
 use super::file_bytes::ImageBytes;
 use super::{Decoded, Picture as Decoding};
+use crate::result::Result;
 use parts::{Parts, Plane};
 use picture::Picture;
 
-/// Reads the picture of a file, in whatever part it is: channels R, G, B (and A), or Y as grey, or else three others.
+/// Reads the picture of a file, in whatever part it is: channels R, G, B (and A), or Y as grey, or else three others. X, Y, Z
+/// without a layer are CIE XYZ.
 ///
 /// A file of nothing but a depth is refused: it is no picture. So is one of several layers none of which is called a picture.
 ///
@@ -38,6 +40,7 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> De
         warnings.push(Warning { message, place: Some(source.place.clone()) });
     }
     let stated = stated::stated(parts.header(channels[0]));
+    let stated = stated.or_else(|| picture.is_xyz.then(|| stated::xyz("channels X, Y, Z")));
     Ok(Decoding { stated, ..Decoding::plain([width, height], Samples::Float(pixels)) })
 }
 
@@ -67,7 +70,7 @@ pub struct ExrChannels {
 }
 
 /// Reads all channels of all parts.
-pub(super) fn decode_channels(source: &ImageBytes<'_>) -> Result<ExrChannels, SceneError> {
+pub(super) fn decode_channels(source: &ImageBytes<'_>) -> Result<ExrChannels> {
     let parts = Parts::open(source)?;
     let names: Vec<String> = parts.names().into_iter().map(str::to_owned).collect();
     let windows = (0..names.len()).map(|channel| parts.data_window(channel));
@@ -133,7 +136,7 @@ mod tests {
         bytes(&file(names, LayerAttributes::default(), Encoding::FAST_LOSSLESS))
     }
 
-    fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>), SceneError> {
+    fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>)> {
         let mut warnings = Vec::new();
         let place = Place::file(Path::new("a.exr"));
         let image = decode_image(&place, bytes, ColorSpace::Srgb, &mut warnings)?;
@@ -230,6 +233,21 @@ mod tests {
         });
         // The matrix of AP0 to Rec. 709 by Bradford has 2.5217, −1.1341, −0.3877 in its first row
         assert!((aces.0.texel(0, 0)[0] - (0.2 * 2.5217 - 0.8 * 1.1341 - 0.2 * 0.3877)).abs() < 2e-3);
+        // The matrix of IEC 61966-2-1 from X, Y, Z
+        let xyz = Chromaticities {
+            red: Vec2(1.0, 0.0),
+            green: Vec2(0.0, 1.0),
+            blue: Vec2(0.0, 0.0),
+            white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+        };
+        let stated = with(&|attributes| attributes.chromaticities = Some(xyz)).0;
+        assert!(is_near(&stated, [-0.6814, 1.3152, 0.0593]), "{:?}", stated.texel(1, 1));
+        let mut named = file(&["X", "Y", "Z"], LayerAttributes::default(), Encoding::FAST_LOSSLESS);
+        for (channel, value) in named.layer_data.channel_data.list.iter_mut().zip([0.2, 0.8, 0.2]) {
+            channel.sample_data = FlatSamples::F32(vec![value; 6]);
+        }
+        let named = decoded(&bytes(&named)).unwrap().0;
+        assert!(is_near(&named, [-0.6814, 1.3152, 0.0593]), "{:?}", named.texel(1, 1));
         let (image, warnings) = id("ocio:something");
         assert!(is_near(&image, [0.2, 0.8, 0.2]));
         assert!(
@@ -254,7 +272,7 @@ mod tests {
         bytes.into_inner()
     }
 
-    fn channels(bytes: &[u8]) -> Result<ExrChannels, SceneError> {
+    fn channels(bytes: &[u8]) -> Result<ExrChannels> {
         decode_channels(&ImageBytes { place: &Place::file(Path::new("a.exr")), bytes })
     }
 

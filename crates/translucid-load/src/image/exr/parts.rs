@@ -15,6 +15,7 @@ use translucid_scene::SceneError;
 
 use super::super::file_bytes::ImageBytes;
 use super::names::{channel_names, part_name, text};
+use crate::result::Result;
 
 /// Most channels of all parts together; Blender writes about a hundred with all passes of a view layer.
 const MOST_CHANNELS: usize = 4096;
@@ -97,7 +98,7 @@ impl<'a> Parts<'a> {
     ///
     /// # Errors
     /// They are damaged, a part is deep, or there are too many channels.
-    pub(super) fn open(source: &'a ImageBytes<'a>) -> Result<Self, SceneError> {
+    pub(super) fn open(source: &'a ImageBytes<'a>) -> Result<Self> {
         let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false);
         let headers = metadata.map_err(|error| refusal(source, &error))?.headers;
         let count: usize = headers.iter().map(|header| header.channels.list.len()).sum();
@@ -152,7 +153,7 @@ impl<'a> Parts<'a> {
     ///
     /// # Errors
     /// Their parts are damaged, too large, of a codec that cannot be read, or have a subsampled channel.
-    pub(super) fn read(&self, channels: &[usize]) -> Result<Vec<Plane>, SceneError> {
+    pub(super) fn read(&self, channels: &[usize]) -> Result<Vec<Plane>> {
         let mut slots: Vec<Vec<Option<usize>>> = vec![Vec::new(); self.headers.len()];
         for (slot, channel) in channels.iter().map(|&channel| &self.channels[channel]).enumerate() {
             let part = &mut slots[channel.part];
@@ -186,7 +187,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Refuses parts that cannot be read or would need memory without bound, before it is asked for.
-    fn check(&self, slots: &[Vec<Option<usize>>]) -> Result<(), SceneError> {
+    fn check(&self, slots: &[Vec<Option<usize>>]) -> Result<()> {
         let mut samples = 0_u64;
         for (part, header) in self.headers.iter().enumerate().filter(|(part, _)| !slots[*part].is_empty()) {
             let codec = match header.compression {

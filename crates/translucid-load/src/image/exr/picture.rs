@@ -10,6 +10,9 @@ const MOST_NAMED: usize = 4;
 pub(super) struct Picture {
     pub(super) color: [Option<usize>; 3],
     pub(super) alpha: Option<usize>,
+    /// Whether red, green and blue are called X, Y and Z, and belong to no layer: renderers write CIE XYZ so, and vectors as a
+    /// layer.
+    pub(super) is_xyz: bool,
     /// A warning which layer is taken, where there are others.
     pub(super) said: Option<String>,
 }
@@ -38,6 +41,7 @@ impl Picture {
         let color = match (member("R"), member("Y"), member("X")) {
             (Some(red), ..) => [Some(red), member("G"), member("B")],
             (None, Some(grey), None) => [Some(grey); 3],
+            (None, Some(_), Some(x)) if member("Z").is_some() => [Some(x), member("Y"), member("Z")],
             _ => {
                 let mut members = (0..names.len()).filter(|&i| layer(names[i]) == prefix);
                 match [members.next(), members.next(), members.next()] {
@@ -46,7 +50,12 @@ impl Picture {
                 }
             }
         };
-        Ok(Self { color, alpha: member("A"), said })
+        Ok(Self {
+            color,
+            alpha: member("A"),
+            is_xyz: prefix.is_empty() && member("R").is_none() && has_xyz(names),
+            said,
+        })
     }
 
     /// Numbers of all its channels.
@@ -67,9 +76,14 @@ fn component(name: &str) -> String {
         "GREEN" => "G".into(),
         "BLUE" => "B".into(),
         "ALPHA" => "A".into(),
-        "R" | "G" | "B" | "A" | "Y" | "X" | "RY" | "BY" => upper,
+        "R" | "G" | "B" | "A" | "Y" | "X" | "Z" | "RY" | "BY" => upper,
         _ => own.to_owned(),
     }
+}
+
+/// Whether there are X, Y and Z without a layer.
+fn has_xyz(names: &[&str]) -> bool {
+    ["X", "Y", "Z"].iter().all(|name| names.contains(name))
 }
 
 /// The number of a layer's channel, in OpenEXR's own letters if it has that, too.
@@ -89,11 +103,14 @@ fn prefixes<'a>(names: &[&'a str]) -> Vec<&'a str> {
         }
         found
     };
+    // A picture that is called so comes before what may be a vector
+    let is_xyz = has_xyz(names) && !names.iter().any(|name| picture_rank(layer(name)).is_some());
     let is_vector = |name: &str| member(names, layer(name), "X").is_some();
-    let kinds: [&dyn Fn(&str) -> bool; 3] =
-        [&|name| component(name) == "R", &|name| component(name) == "Y" && !is_vector(name), &|name| {
-            !is_depth(name)
-        }];
+    let kinds: [&dyn Fn(&str) -> bool; 3] = [
+        &|name| component(name) == "R" || is_xyz && name == "X",
+        &|name| component(name) == "Y" && !is_vector(name),
+        &|name| !is_depth(name),
+    ];
     kinds.into_iter().map(of).find(|found| !found.is_empty()).unwrap_or_default()
 }
 
@@ -231,5 +248,19 @@ mod tests {
         let normal = ["V.Normal.X", "V.Normal.Y", "V.Normal.Z"].map(String::from);
         assert_eq!(chosen(&vector), (normal.to_vec(), None));
         assert_eq!(chosen(&["V.Mist.Z", "mask"]).0, ["mask"; 3]);
+        assert!(!Picture::choose(&vector).unwrap().is_xyz);
+    }
+
+    /// Mitsuba's films, whose layers follow.
+    #[test]
+    fn picture_of_xyz_comes_before_layers_that_are_not_called_so() {
+        let xyz = ["X", "Y", "Z"].map(String::from).to_vec();
+        for names in [&["X", "Y", "Z"][..], &["X", "Y", "Z", "albedo.R", "albedo.G", "albedo.B", "nn.X"]] {
+            assert_eq!(chosen(names), (xyz.clone(), None));
+            assert!(Picture::choose(names).unwrap().is_xyz);
+        }
+        assert_eq!(chosen(&["A", "X", "Y", "Z"]).0, ["X", "Y", "Z", "A"]);
+        let called = ["X", "Y", "Z", "beauty.R", "beauty.G", "beauty.B"];
+        assert_eq!(chosen(&called).0, ["beauty.R", "beauty.G", "beauty.B"]);
     }
 }

@@ -37,10 +37,19 @@ pub(super) fn stated(header: &Header) -> Option<Stated> {
     }
     let Chromaticities { red, green, blue, white } = chromaticities?;
     let primaries = Primaries([red, green, blue, white].map(|at| [at.0, at.1].map(f64::from)));
+    if primaries.0.as_flattened().iter().zip(XYZ.0.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-4) {
+        return Some(xyz("chromaticities of CIE XYZ"));
+    }
     if !primaries.to_rec_709().is_finite() {
         return Some(Stated::Unknown("its chromaticities are no primaries".into()));
     }
     Some(Stated::encoding(Encoding::new("chromaticities", Curve::Linear, primaries)))
+}
+
+/// CIE X, Y, Z as they are: light is not adapted from their white, which is no color that anything is lit with.
+pub(super) fn xyz(name: &str) -> Stated {
+    let curves = [(); 3].map(|()| Curve::Linear);
+    Stated::encoding(Encoding { name: name.to_owned(), curves, to_rec_709: XYZ.to_rec_709_unadapted() })
 }
 
 /// A space of the Color Interop Forum, by names such as "lin_ap1_scene", with or without a namespace.

@@ -2,14 +2,15 @@
 
 use glam::{Vec2, Vec3};
 use translucid_scene::description::SceneSlot;
-use translucid_scene::{Channel, ColorInput, ColorSpace, ScalarInput, Wrap};
+use translucid_scene::{Channel, ColorInput, ColorSpace, ScalarInput, TextureFilter, Wrap};
 use translucid_testing::mutants;
 
 use super::*;
+use crate::result::Result;
 
 mod models;
 
-type Found = Result<(Material, Vec<FileRequest<ImageKind>>), SceneError>;
+type Found = Result<(Material, Vec<FileRequest<ImageKind>>)>;
 
 fn read_bytes(bytes: &[u8], choice: MaterialChoice<'_>) -> (Found, Vec<String>) {
     let mut warnings = Vec::new();
@@ -103,6 +104,7 @@ const WOOD: &str = r#"<?xml version="1.0"?>
       <input name="file" type="filename" value="wood_rough.png"/>
       <input name="uaddressmode" type="string" value="mirror"/>
       <input name="vaddressmode" type="string" value="clamp"/>
+      <input name="filtertype" type="string" value="closest"/>
     </image>
     <image name="bumps" type="vector3"><input name="file" type="filename" value="wood_normal.png"/></image>
     <normalmap name="normals" type="vector3">
@@ -142,6 +144,7 @@ fn images_come_through_graphs_with_their_files_spaces_and_mappings() {
     assert_eq!(color.coordinates(Vec2::new(0.25, 0.75)), Vec2::new(0.5, 1.25));
     let (roughness, channel) = wood.specular_roughness.texture.unwrap();
     assert_eq!((roughness.image, roughness.wrap, channel), (1, [Wrap::Mirror, Wrap::Clamp], Channel::Red));
+    assert_eq!([color.filter, roughness.filter], [TextureFilter::Linear, TextureFilter::Nearest]);
     let normals = wood.geometry_normal.unwrap();
     assert_eq!((normals.texture.image, normals.scale), (2, 0.5));
 }
@@ -171,6 +174,96 @@ fn nodes_of_values_channels_and_interfaces_are_computed() {
     assert_eq!(found.geometry_opacity.texture.map(|(_, channel)| channel), Some(Channel::Alpha));
     assert_eq!((found.geometry_opacity.factor, found.specular_roughness.factor), (1.0, 0.25));
     assert_eq!(found.specular_roughness.texture.map(|(_, channel)| channel), Some(Channel::Green));
+}
+
+/// Connections with channels, and the nodes that `readFromXmlFile` of MaterialX 1.39.5 makes of each: extract, separate,
+/// combine, convert and constants.
+#[test]
+fn channels_of_older_documents_are_those_of_their_conversion() {
+    let graph = r#"<nodegraph name="NG"><input name="tint" type="color3" value="0.1, 0.2, 0.3"/>
+        <constant name="c" type="color3"><input name="value" type="color3" value="0.1, 0.2, 0.3"/></constant>
+        <constant name="c4" type="color4"><input name="value" type="color4" value="0.1, 0.2, 0.3, 0.4"/></constant>
+        <constant name="f" type="float"><input name="value" type="float" value="0.7"/></constant>
+        <constant name="v" type="vector2"><input name="value" type="vector2" value="0.7, 0.8"/></constant>
+        <image name="i" type="color4"><input name="file" type="filename" value="i.png"/></image>
+        <multiply name="m" type="color3"><input name="in1" type="color3" nodename="c" channels="bgr"/></multiply>
+        <multiply name="n" type="color3"><input name="in1" type="color3" interfacename="tint" channels="bgr"/></multiply>
+        <swizzle name="z" type="color3"><input name="in" type="color3" nodename="c"/>
+        <input name="channels" type="string" value="grb"/></swizzle>
+        OUTPUT</nodegraph>"#;
+    let read = |version: &str, output: &str, input: &str| {
+        let text = document("open_pbr_surface", input, &graph.replace("OUTPUT", output));
+        read_text(&text.replace("1.39", version))
+    };
+    let color = r#"<input name="base_color" type="color3" nodegraph="NG"/>"#;
+    let of =
+        |node: &str, rest: &str| format!("<output name=\"o\" type=\"color3\" nodename=\"{node}\" {rest}/>");
+    for (output, input, expected) in [
+        (of("m", ""), color, [0.3, 0.2, 0.1]),
+        (of("n", ""), color, [0.3, 0.2, 0.1]),
+        (of("z", ""), color, [0.2, 0.1, 0.3]),
+        (of("c", "channels=\"grb\""), color, [0.2, 0.1, 0.3]),
+        (of("c", "channels=\"grb\""), &color.replace("/>", " channels=\"brr\"/>"), [0.3, 0.2, 0.2]),
+        (of("c", "channels=\"r01\""), color, [0.1, 0.0, 1.0]),
+        (of("f", "channels=\"rrr\""), color, [0.7, 0.7, 0.7]),
+        (of("v", "channels=\"xyx\""), color, [0.7, 0.8, 0.7]),
+        (of("c4", "channels=\"rgb\""), color, [0.1, 0.2, 0.3]),
+        (
+            of("c", ""),
+            r#"<input name="base_color" type="color3" value="0.1, 0.2, 0.3" channels="bgr"/>"#,
+            [0.3, 0.2, 0.1],
+        ),
+    ] {
+        let (found, warnings) = read("1.38", &output, input);
+        assert_eq!(warnings, [""; 0], "{output}");
+        assert_eq!(found.unwrap().0.base_color, ColorInput::constant(Vec3::from(expected)), "{output}");
+    }
+    let metal = r#"<input name="base_metalness" type="float" nodegraph="NG" channels="b"/>"#;
+    assert_eq!(read("1.38", &of("c", ""), metal).0.unwrap().0.base_metalness, ScalarInput::constant(0.3));
+    let texture = read("1.37", &of("i", "channels=\"rgb\""), metal).0.unwrap().0.base_metalness.texture;
+    assert_eq!(texture.map(|(_, channel)| channel), Some(Channel::Blue));
+    let alpha = metal.replace("\"b\"", "\"a\"");
+    let output = of("i", "").replace("color3", "color4");
+    let texture = read("1.38", &output, &alpha).0.unwrap().0.base_metalness.texture;
+    assert_eq!(texture.map(|(_, channel)| channel), Some(Channel::Alpha));
+    for (version, output, part) in [
+        (
+            "1.38",
+            of("i", "channels=\"bgr\""),
+            "base_color keeps its default: channels \"bgr\" changes the order of an image's",
+        ),
+        ("1.39", of("c", "channels=\"bgr\""), "channels \"bgr\" is left out: it is of MaterialX up to 1.38"),
+    ] {
+        let (found, warnings) = read(version, &output, color);
+        assert!(found.is_ok() && warnings.len() == 1 && warnings[0].contains(part), "{warnings:?}");
+    }
+    for letters in ["rg", "rga", "rgba", "rgq", "", "rgbrgbrgb"] {
+        let message =
+            read("1.38", &of("c", &format!("channels=\"{letters}\"")), color).0.unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("channels is \"{letters}\", but must be the letters of")),
+            "{message}"
+        );
+    }
+    let moved = r#"<image name="j" type="color3"><input name="file" type="filename" value="i.png"/>
+        <input name="texcoord" type="vector2" nodename="v" channels="yx"/></image>"#;
+    let (_, warnings) = read("1.38", &format!("{moved}{}", of("j", "")), color);
+    assert!(warnings[0].contains("channels \"yx\" is left out: it has no counterpart here"), "{warnings:?}");
+}
+
+#[test]
+fn images_without_a_file_are_their_defaults() {
+    let default = r#"<input name="default" type="color3" value="0.1, 0.2, 0.3"/>"#;
+    for (node, file, expected) in [
+        ("image", "", [0.1, 0.2, 0.3]),
+        ("tiledimage", r#"<input name="file" type="filename" value=""/>"#, [0.1, 0.2, 0.3]),
+        ("gltf_image", r#"<input name="factor" type="color3" value="0.5, 1, 1"/>"#, [0.05, 0.2, 0.3]),
+    ] {
+        let node = format!("<{node} name=\"i\" type=\"color3\">{file}{default}</{node}>");
+        let shader = "<input name=\"base_color\" type=\"color3\" nodename=\"i\"/>";
+        let (found, images) = sound(&document("open_pbr_surface", shader, &node));
+        assert_eq!((found.base_color, images.len()), (ColorInput::constant(Vec3::from(expected)), 0));
+    }
 }
 
 /// Against the node's own steps in the standard library: subtract, divide, rotate2d, subtract, add.
@@ -271,108 +364,52 @@ fn colors_have_the_space_of_the_nearest_element_that_states_one() {
     assert!(warnings[0].contains("the color space sRGB is not known: taken as lin_rec709"), "{warnings:?}");
 }
 
-/// What cannot be translated: the input, and what the only warning says after the place "shop/a.mtlx:3: ".
+/// Rows of a table whose columns are apart by " | ".
+fn rows<const N: usize>(table: &'static str) -> impl Iterator<Item = [&'static str; N]> {
+    let rows = table.lines().map(str::trim).filter(|row| !row.is_empty());
+    rows.map(|row| row.split('|').map(str::trim).collect::<Vec<_>>().try_into().expect(row))
+}
+
+/// Inputs as they are, or one by its name, type, and value or "@" and the node that it is connected to.
+fn inputs_of(text: &str) -> String {
+    let words: Vec<&str> = text.splitn(3, ' ').collect();
+    match words[..] {
+        [name, kind, value] if !name.starts_with('<') => match value.strip_prefix('@') {
+            Some(node) => format!("<input name=\"{name}\" type=\"{kind}\" nodename=\"{node}\"/>"),
+            None => input(name, kind, value),
+        },
+        _ => text.to_owned(),
+    }
+}
+
+/// What cannot be translated: the input, more elements, and what the only warning says after the place "shop/a.mtlx:3: ".
+const UNTRANSLATED: &str = r#"
+    fuzz_weight float 0.5 | | fuzz_weight has no counterpart here: left out
+    <input name="geometry_thin_walled" type="boolean"/> | | geometry_thin_walled keeps its default: it has no value of its own
+    transmission_scatter color3 0,0,1 | | transmission_scatter has no counterpart
+    coat_darkening float @i | <image name="i" type="float"><input name="file" type="filename" value="i.png"/></image> | coat_darkening has no counterpart
+    base_colour color3 1,1,1 | | base_colour is no input that is known: left out: did you mean base_color?
+    base_color color3 1,1.5,1 | | base_color is 1.5, but must be in [0, 1]: it becomes 1
+    subsurface_radius float -2 | | subsurface_radius is -2, but must be in [0, 1e9]: it becomes 0
+    specular_ior float 0 | | specular_ior is 0, but must be in [1, 4]: it becomes 1
+    specular_ior float @i | <image name="i" type="float"><input name="file" type="filename" value="i.png"/></image> | specular_ior keeps its default: it may not vary over the surface
+    <input name="base_color" type="color3"/> | | base_color keeps its default: it has neither a value nor a connection
+    <input name="specular_roughness" type="float" value="0.5" unit="millimeter"/> | | specular_roughness is no length: its unit is left out
+    specular_roughness float @i | <noise2d name="i" type="float"/> | specular_roughness keeps its default: the node noise2d "i" has no counterpart here
+    specular_roughness float @i | <dot name="i" type="float"/> | keeps its default: dot "i" has no input in
+    specular_roughness float @i | <image name="i" type="float"><input name="file" type="filename" value="i.png"/><input name="filtertype" type="string" value="cubic"/></image> | filtertype "cubic" of image "i" is left out
+    specular_roughness float @i | <image name="i" type="float"><input name="file" type="filename" value="i.png"/><input name="uaddressmode" type="string" value="constant"/></image> | uaddressmode constant of image "i" is taken as clamp
+    specular_roughness float @i | <image name="i" type="float"><input name="file" type="filename" value="i.&lt;UDIM&gt;.png"/></image> | the file name "i.<UDIM>.png" has parts to be substituted
+    base_color color3 @i | <image name="i" type="color3"><input name="file" type="filename" colorspace="acescg" value="i.png"/></image> | images in the color space acescg are read as lin_rec709
+    geometry_normal vector3 @i | <image name="i" type="vector3"><input name="file" type="filename" value="i.png"/></image> | geometry_normal keeps its default: image "i" is no normalmap
+    <token name="t"/> | | token "t" of open_pbr_surface "S" is left out
+    | <xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="/etc/passwd"/> | the document "/etc/passwd" that is included is left out
+"#;
+
 #[test]
 fn what_cannot_be_translated_is_told_once_with_its_place() {
-    let image = r#"<image name="i" type="float"><input name="file" type="filename" value="i.png"/>X</image>"#;
-    let with = |input: &str| image.replace('X', input);
-    let connected =
-        |name: &str, kind: &str| format!("<input name=\"{name}\" type=\"{kind}\" nodename=\"i\"/>");
-    for (inputs, rest, expected) in [
-        (
-            input("fuzz_weight", "float", "0.5"),
-            String::new(),
-            "fuzz_weight has no counterpart here: left out",
-        ),
-        (
-            "<input name=\"geometry_thin_walled\" type=\"boolean\"/>".into(),
-            String::new(),
-            "geometry_thin_walled keeps its default: it has no value of its own",
-        ),
-        (
-            input("transmission_scatter", "color3", "0,0,1"),
-            String::new(),
-            "transmission_scatter has no counterpart",
-        ),
-        (connected("coat_darkening", "float"), image.into(), "coat_darkening has no counterpart"),
-        (
-            input("base_colour", "color3", "1,1,1"),
-            String::new(),
-            "base_colour is no input that is known: left out: did you mean base_color?",
-        ),
-        (
-            input("base_color", "color3", "1,1.5,1"),
-            String::new(),
-            "base_color is 1.5, but must be in [0, 1]: it becomes 1",
-        ),
-        (
-            input("subsurface_radius", "float", "-2"),
-            String::new(),
-            "subsurface_radius is -2, but must be in [0, 1e9]: it becomes 0",
-        ),
-        (
-            input("specular_ior", "float", "0"),
-            String::new(),
-            "specular_ior is 0, but must be in [1, 4]: it becomes 1",
-        ),
-        (
-            connected("specular_ior", "float"),
-            image.replace('X', ""),
-            "specular_ior keeps its default: it may not vary over the surface",
-        ),
-        (
-            "<input name=\"base_color\" type=\"color3\"/>".into(),
-            String::new(),
-            "base_color keeps its default: it has neither a value nor a connection",
-        ),
-        (
-            "<input name=\"specular_roughness\" type=\"float\" value=\"0.5\" unit=\"millimeter\"/>".into(),
-            String::new(),
-            "specular_roughness is no length: its unit is left out",
-        ),
-        (
-            connected("specular_roughness", "float"),
-            "<noise2d name=\"i\" type=\"float\"/>".into(),
-            "specular_roughness keeps its default: the node noise2d \"i\" has no counterpart here",
-        ),
-        (
-            connected("specular_roughness", "float"),
-            "<dot name=\"i\" type=\"float\"/>".into(),
-            "keeps its default: dot \"i\" has no input in",
-        ),
-        (
-            connected("specular_roughness", "float"),
-            with(&input("filtertype", "string", "closest")),
-            "filtertype \"closest\" of image \"i\" is left out",
-        ),
-        (
-            connected("specular_roughness", "float"),
-            with(&input("uaddressmode", "string", "constant")),
-            "uaddressmode constant of image \"i\" is taken as clamp",
-        ),
-        (
-            connected("specular_roughness", "float"),
-            image.replace("i.png", "i.&lt;UDIM&gt;.png").replace('X', ""),
-            "the file name \"i.<UDIM>.png\" has parts to be substituted",
-        ),
-        (
-            connected("base_color", "color3"),
-            with("").replace("float", "color3").replace("filename\"", "filename\" colorspace=\"acescg\""),
-            "images in the color space acescg are read as lin_rec709",
-        ),
-        (
-            connected("geometry_normal", "vector3"),
-            with("").replace("float", "vector3"),
-            "geometry_normal keeps its default: image \"i\" is no normalmap",
-        ),
-        ("<token name=\"t\"/>".into(), String::new(), "token \"t\" of open_pbr_surface \"S\" is left out"),
-        (
-            String::new(),
-            "<xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"/etc/passwd\"/>".into(),
-            "the document \"/etc/passwd\" that is included is left out",
-        ),
-    ] {
-        let (found, warnings) = read_text(&document("open_pbr_surface", &inputs, &rest));
+    for [inputs, rest, expected] in rows(UNTRANSLATED) {
+        let (found, warnings) = read_text(&document("open_pbr_surface", &inputs_of(inputs), rest));
         let (material, images) = found.unwrap();
         material.validate(images.len(), 0).unwrap();
         // An image that nothing shows is not asked for
@@ -407,117 +444,36 @@ fn thin_walls_are_those_of_the_shader() {
 }
 
 /// Mistakes of values and references: the input on line 3, more elements, and what the error says after the line.
+const MISTAKES: &str = r#"
+    base_color color3 red | | base_color: it is "red", but must be 3 finite numbers (color3)
+    base_color color3 1, 0 | | base_color: it is "1, 0", but must be 3 finite numbers
+    base_color color3 1, nan, 0 | | base_color: it is "1, nan, 0", but must be 3
+    base_color color3 1, 1, 1, 1, 1, 1 | | but must be 3 finite numbers
+    base_color string red | | base_color: it is "red", but must be of a type with numbers, not string
+    base_color float 0.5 | | base_color has 1 channels, but must be a color3
+    specular_roughness color3 1,1,1 | | specular_roughness has 3 channels, but must be a float
+    subsurface_radius float inf | | subsurface_radius: it is "inf", but must be a finite number
+    subsurface_radius float 1e39 | | it is "1e39", but must be a finite number
+    <input name="subsurface_radius" type="float" value=""/> | | it is "", but must be a finite number
+    <input name="subsurface_radius" type="float" value="1" unit="furlong"/> | | unit is "furlong", but must be one of nanometer, micron, millimeter, centimeter
+    base_color color3 @gone | | the document has no node named "gone"
+    <input name="base_color" type="color3" nodegraph="gone" output="out"/> | | the document has no node named "gone"
+    <input name="base_color" type="color3" interfacename="gone"/> | | the document has no input named "gone"
+    <input name="base_weight" type="float" value="1"/><input name="base_weight" type="float" value="1"/> | | open_pbr_surface "S" has several elements named "base_weight"
+    specular_roughness float @n | <nodegraph name="n"><output name="a" type="float"/><output name="b" type="float"/></nodegraph> | nodegraph "n" does not have one output, so one must be named
+    specular_roughness float @n | <constant name="n" type="float"><input name="value" type="float" value="one"/></constant> | value is "one", but must be a finite number
+    specular_roughness float @n | <extract name="n" type="float"><input name="in" type="color3" value="1,1,1"/><input name="index" type="integer" value="3"/></extract> | extract "n" asks for a channel that its input of 3 has not
+    specular_roughness float @n | <image name="n" type="float"/> | image "n" names no file
+    specular_roughness float @n | <image name="n" type="float"><input name="file" type="filename" value="a.png"/><input name="vaddressmode" type="string" value="stretch"/></image> | vaddressmode is "stretch", but must be constant, clamp, periodic or mirror
+    specular_roughness float @n | <tiledimage name="n" type="float"><input name="file" type="filename" value="a.png"/><input name="uvtiling" type="vector2" value="1e9, 1"/></tiledimage> | tiledimage "n" scales or moves texture coordinates too far
+    specular_roughness float @n | <tiledimage name="n" type="float"><input name="file" type="filename" value="a.png"/><input name="realworldimagesize" type="vector2" value="0, 0"/></tiledimage> | tiledimage "n" scales or moves texture coordinates too far
+    specular_roughness float @n | <multiply name="n" type="float"><input name="in1" type="float" value="1e38"/><input name="in2" type="float" value="1e38"/></multiply> | multiply "n" is beyond all numbers
+"#;
+
 #[test]
 fn mistakes_are_errors_that_name_line_input_value_and_what_is_allowed() {
-    let node =
-        |category: &str, inputs: &str| format!("<{category} name=\"n\" type=\"float\">{inputs}</{category}>");
-    let connected = "<input name=\"specular_roughness\" type=\"float\" nodename=\"n\"/>";
-    let graph = "<nodegraph name=\"n\"><output name=\"a\" type=\"float\"/><output name=\"b\" type=\"float\"/></nodegraph>";
-    for (inputs, rest, expected) in [
-        (
-            input("base_color", "color3", "red"),
-            "",
-            "base_color: it is \"red\", but must be 3 finite numbers (color3)",
-        ),
-        (
-            input("base_color", "color3", "1, 0"),
-            "",
-            "base_color: it is \"1, 0\", but must be 3 finite numbers",
-        ),
-        (input("base_color", "color3", "1, nan, 0"), "", "base_color: it is \"1, nan, 0\", but must be 3"),
-        (input("base_color", "color3", "1, 1, 1, 1, 1, 1"), "", "but must be 3 finite numbers"),
-        (
-            input("base_color", "string", "red"),
-            "",
-            "base_color: it is \"red\", but must be of a type with numbers, not string",
-        ),
-        (input("base_color", "float", "0.5"), "", "base_color has 1 channels, but must be a color3"),
-        (
-            input("specular_roughness", "color3", "1,1,1"),
-            "",
-            "specular_roughness has 3 channels, but must be a float",
-        ),
-        (
-            input("subsurface_radius", "float", "inf"),
-            "",
-            "subsurface_radius: it is \"inf\", but must be a finite number",
-        ),
-        (input("subsurface_radius", "float", "1e39"), "", "it is \"1e39\", but must be a finite number"),
-        (input("subsurface_radius", "float", ""), "", "it is \"\", but must be a finite number"),
-        (
-            "<input name=\"subsurface_radius\" type=\"float\" value=\"1\" unit=\"furlong\"/>".into(),
-            "",
-            "unit is \"furlong\", but must be one of nanometer, micron, millimeter, centimeter",
-        ),
-        (
-            "<input name=\"base_color\" type=\"color3\" nodename=\"gone\"/>".into(),
-            "",
-            "the document has no node named \"gone\"",
-        ),
-        (
-            "<input name=\"base_color\" type=\"color3\" nodegraph=\"gone\" output=\"out\"/>".into(),
-            "",
-            "the document has no node named \"gone\"",
-        ),
-        (
-            "<input name=\"base_color\" type=\"color3\" interfacename=\"gone\"/>".into(),
-            "",
-            "the document has no input named \"gone\"",
-        ),
-        (
-            format!("{0}{0}", input("base_weight", "float", "1")),
-            "",
-            "open_pbr_surface \"S\" has several elements named \"base_weight\"",
-        ),
-        (connected.into(), graph, "nodegraph \"n\" does not have one output, so one must be named"),
-        (
-            connected.into(),
-            &node("constant", &input("value", "float", "one")),
-            "value is \"one\", but must be a finite number",
-        ),
-        (
-            connected.into(),
-            &node(
-                "extract",
-                "<input name=\"in\" type=\"color3\" value=\"1,1,1\"/><input name=\"index\" type=\"integer\" value=\"3\"/>",
-            ),
-            "extract \"n\" asks for a channel that its input of 3 has not",
-        ),
-        (connected.into(), &node("image", ""), "image \"n\" names no file"),
-        (
-            connected.into(),
-            &node(
-                "image",
-                "<input name=\"file\" type=\"filename\" value=\"a.png\"/><input name=\"vaddressmode\" type=\"string\" value=\"stretch\"/>",
-            ),
-            "vaddressmode is \"stretch\", but must be constant, clamp, periodic or mirror",
-        ),
-        (
-            connected.into(),
-            &node(
-                "tiledimage",
-                "<input name=\"file\" type=\"filename\" value=\"a.png\"/><input name=\"uvtiling\" type=\"vector2\" value=\"1e9, 1\"/>",
-            ),
-            "tiledimage \"n\" scales or moves texture coordinates too far",
-        ),
-        (
-            connected.into(),
-            &node(
-                "tiledimage",
-                "<input name=\"file\" type=\"filename\" value=\"a.png\"/><input name=\"realworldimagesize\" type=\"vector2\" value=\"0, 0\"/>",
-            ),
-            "tiledimage \"n\" scales or moves texture coordinates too far",
-        ),
-        (
-            connected.into(),
-            &node(
-                "multiply",
-                "<input name=\"in1\" type=\"float\" value=\"1e38\"/><input name=\"in2\" type=\"float\" value=\"1e38\"/>",
-            ),
-            "multiply \"n\" is beyond all numbers",
-        ),
-    ] {
-        let message = error(&document("open_pbr_surface", &inputs, rest));
+    for [inputs, rest, expected] in rows(MISTAKES) {
+        let message = error(&document("open_pbr_surface", &inputs_of(inputs), rest));
         assert!(message.starts_with("shop/a.mtlx:") && message.contains(expected), "{message}\n{expected}");
     }
 }

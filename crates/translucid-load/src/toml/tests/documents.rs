@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use translucid_scene::{Material, Scene, SceneError, Unit};
+use translucid_scene::{Material, Scene, Unit};
 
 use super::BALL;
+use crate::result::Result;
 use crate::{LoadOptions, Piece, SceneBuilder, SceneFile};
 
 const SOAP: &str = r#"<materialx version="1.39">
@@ -40,7 +41,7 @@ impl Shop {
     }
 
     /// The scene of a file with a material of these lines, and its warnings.
-    fn load(&self, lines: &str) -> (Result<Scene, SceneError>, Vec<String>) {
+    fn load(&self, lines: &str) -> (Result<Scene>, Vec<String>) {
         let text = format!("unit = \"mm\"\n[[material]]\nname = \"m\"\n{lines}\n{BALL}material = \"m\"\n");
         let mut warnings = Vec::new();
         let file = SceneFile::parse(&text, &self.path().join("a.toml")).unwrap();

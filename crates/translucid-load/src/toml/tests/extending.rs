@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use glam::{Mat3, Vec3};
 use tempfile::TempDir;
 use translucid_profile::convention::preset;
-use translucid_scene::{
-    ColorInput, Environment, Light, Material, Place, Projection, Scene, SceneError, Unit, Warning,
-};
+use translucid_scene::{ColorInput, Environment, Light, Material, Place, Projection, Scene, Unit, Warning};
 use translucid_testing::SplitMix;
 
+use super::cases;
 use super::mutation::mutate;
+use crate::result::Result;
 use crate::{LoadOptions, SceneFile, load_scene};
 
 const BASE: &str = "unit = \"cm\"\n\
@@ -43,7 +43,7 @@ impl Folder {
         path
     }
 
-    fn try_load(&self, text: &str, options: &LoadOptions) -> Result<(Scene, Vec<Warning>), SceneError> {
+    fn try_load(&self, text: &str, options: &LoadOptions) -> Result<(Scene, Vec<Warning>)> {
         let mut warnings = Vec::new();
         let scene = load_scene(&self.file("look.toml", text), options, &mut warnings)?;
         Ok((scene, warnings))
@@ -70,6 +70,14 @@ impl Folder {
     #[track_caller]
     fn refuse_change(&self, rest: &str, message: &str, underlined: &str, help: &str) {
         self.refuse(&format!("extends = \"base.toml\"\n{rest}\n"), message, underlined, help);
+    }
+
+    /// Each of these changes behind a header must be refused, as [`cases`] has them.
+    #[track_caller]
+    fn refuse_each(&self, header: &str, list: &str) {
+        for [line, message, underlined, help] in cases(list) {
+            self.refuse_change(&format!("{header}{line}"), &message, &underlined, &help);
+        }
     }
 }
 
@@ -323,6 +331,29 @@ fn broken_extends_is_refused() {
     let preset = "extends = \"base.toml\"\npreset = \"jade\"";
     let message = "preset is for a mesh, but extends names a scene";
     folder.refuse(preset, message, "\"jade\"", "use the key preset in a [[material]]");
+    for (key, value, expected) in [
+        ("up", "\"down\"", "one of \"x\", \"y\", \"z\", \"-x\", \"-y\", \"-z\""),
+        (
+            "floor",
+            "\"shadows\"",
+            "\"none\", \"backdrop\", \"shadow\", \"#rrggbb\", or one or three numbers in [0, 1]",
+        ),
+        ("floor", "2", "in [0, 1]"),
+        (
+            "view",
+            "\"fron\"",
+            "one of \"front\", \"back\", \"left\", \"right\", \"top\", \"bottom\", \
+             or \"AZIMUTH,ELEVATION\" in degrees, the latter in [-90, 90]",
+        ),
+    ] {
+        let text = format!("extends = \"pyramid.obj\"\n{key} = {value}");
+        folder.refuse(&text, &format!("{key} is {value}, but must be {expected}"), value, "");
+        let text = format!("extends = \"base.toml\"\n{key} = {value}");
+        let error = folder.try_load(&text, &LoadOptions::default()).map(drop).unwrap_err();
+        assert_eq!(error.message, format!("{key} is for a mesh, but extends names a scene"));
+    }
+    let rotate = "extends = \"pyramid.obj\"\nrotate = [0, 1e9, 0]";
+    folder.refuse(rotate, "rotate[1] is 1e9, but must be in [-36000, 36000]", "1e9", "");
     let unit = "extends = \"base.toml\"\nunit = \"mm\"";
     folder.refuse(unit, "unit is \"mm\", but the scene that is extended is in cm", "\"mm\"", "leave it out");
     let unknown = "extends = \"pyramid.obj\"\npreset = \"jadee\"";
@@ -331,8 +362,7 @@ fn broken_extends_is_refused() {
     let help = "did you mean extends? the keys are extends, unit, subsurface_grouping, camera, film, integrator, \
         material, object, light, environment";
     folder.refuse("extend = \"base.toml\"", "a scene has no key extend", "extend", help);
-    let help =
-        "the keys are extends, preset, unit, camera, film, integrator, material, object, light, environment";
+    let help = "the keys are extends, preset, unit, up, rotate, floor, view, camera, film, integrator, material, object, light, environment";
     folder.refuse_change(
         "subsurface_grouping = \"material\"",
         "a scene has no key subsurface_grouping",
@@ -364,59 +394,34 @@ fn circles_and_endless_rows_are_refused() {
 #[test]
 fn broken_choices_are_refused() {
     let folder = Folder::new();
-    let material = |keys: &str| format!("[[material]]\n{keys}");
-    folder.refuse_change(
-        &material("name = \"wax\"\nindex = 0"),
-        "material[0] has both name and index, but must have one",
-        "0",
-        "",
+    folder.refuse_each(
+        "[[material]]\n",
+        r#"
+        name = "wax"\nindex = 0 | material[0] has both name and index, but must have one | 0
+        base_color = 1 | material[0] needs the key name or index | [[material]]
+        index = 2 | material[0].index is 2, but must be a whole number in [0, 1] | 2
+        index = -1 | material[0].index is -1, but must be a whole number in [0, 1] | -1
+        name = "wax"\n[[material]]\nindex = 0 | another table of the list changes this material, too | [[material]]
+        name = "new"\n[[material]]\nname = 'new' | material[1].name is 'new', but must be a name that no other table of the list has | 'new'
+        "#,
     );
-    folder.refuse_change(
-        &material("base_color = 1"),
-        "material[0] needs the key name or index",
-        "[[material]]",
-        "",
-    );
-    let message = "material[0].index is 2, but must be a whole number in [0, 1]";
-    folder.refuse_change(&material("index = 2"), message, "2", "");
-    let message = "material[0].index is -1, but must be a whole number in [0, 1]";
-    folder.refuse_change(&material("index = -1"), message, "-1", "");
-    let twice = "[[material]]\nname = \"wax\"\n[[material]]\nindex = 0\n";
-    folder.refuse_change(twice, "another table of the list changes this material, too", "[[material]]", "");
-    let twice = "[[material]]\nname = \"new\"\n[[material]]\nname = 'new'\n";
-    let message = "material[1].name is 'new', but must be a name that no other table of the list has";
-    folder.refuse_change(twice, message, "'new'", "");
     let error = folder.try_load(
         BASE.replace("[[object]]\nname = \"ball", "[[material]]\nindex = 1\n[[object]]\nname = \"ball")
             .as_str(),
         &LoadOptions::default(),
     );
     assert_eq!(error.map(drop).unwrap_err().message, "material[2] has no key index");
-
-    let object = |keys: &str| format!("[[object]]\n{keys}");
-    let message = "object[0].name is \"bal\", but must be the name of an object of the base";
-    folder.refuse_change(
-        &object("name = \"bal\"\nmaterial = \"wax\""),
-        message,
-        "\"bal\"",
-        "did you mean \"ball\"?",
+    folder.refuse_each(
+        "[[object]]\n",
+        r#"
+        name = "bal"\nmaterial = "wax" | object[0].name is "bal", but must be the name of an object of the base | "bal" | did you mean "ball"?
+        name = "cathedral"\nmaterial = "wax" | object[0].name is "cathedral", but must be the name of an object of the base | "cathedral" | a new object needs the key file or shape
+        name = "ball" | object[0] needs the key material | [[object]]
+        name = "ball"\nscale = 2 | object[0] has no key scale | scale | the keys are name, index, material; an object with the key file or shape is a new one and has further keys
+        name = "ball"\nmaterial = "wox" | object[0].material is "wox", but must be the name of a material of this scene | "wox" | did you mean "wax"?
+        name = "ball"\nshape = "box" | object[0].name is "ball", but must be a name that no other has | "ball" | without file and shape the table changes that object of the base
+        "#,
     );
-    let message = "object[0].name is \"cathedral\", but must be the name of an object of the base";
-    let help = "a new object needs the key file or shape";
-    folder.refuse_change(&object("name = \"cathedral\"\nmaterial = \"wax\""), message, "\"cathedral\"", help);
-    folder.refuse_change(&object("name = \"ball\""), "object[0] needs the key material", "[[object]]", "");
-    let help = "the keys are name, index, material; an object with the key file or shape is a new one and has further keys";
-    folder.refuse_change(&object("name = \"ball\"\nscale = 2"), "object[0] has no key scale", "scale", help);
-    let message = "object[0].material is \"wox\", but must be the name of a material of this scene";
-    folder.refuse_change(
-        &object("name = \"ball\"\nmaterial = \"wox\""),
-        message,
-        "\"wox\"",
-        "did you mean \"wax\"?",
-    );
-    let message = "object[0].name is \"ball\", but must be a name that no other has";
-    let help = "without file and shape the table changes that object of the base";
-    folder.refuse_change(&object("name = \"ball\"\nshape = \"box\""), message, "\"ball\"", help);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use translucid_scene::{Light, Scene};
 
 use super::load;
-use crate::{ExtendedBase, LoadOptions, load_scene};
+use crate::{ExtendedBase, LoadOptions, UpAxis, load_scene};
 
 /// A lit torus that a camera looks at, all of it moved.
 fn moved(by: DVec3, camera: &str) -> String {
@@ -106,6 +106,7 @@ fn meshes_are_the_same_wherever_they_are() {
             }
             let options = LoadOptions {
                 unit: scene.is_none().then_some(translucid_scene::Unit::Meter),
+                up: scene.is_none().then_some(UpAxis::Y),
                 ..LoadOptions::default()
             };
             let mut warnings = Vec::new();

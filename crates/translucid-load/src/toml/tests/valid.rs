@@ -5,8 +5,8 @@ use translucid_profile::convention::preset;
 use translucid_scene::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, ImageKind,
     Integrator, LayerMedium, Light, Material, Projection, ScalarInput, SubsurfaceLayer, SubsurfaceMethod,
-    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
-    Wrap,
+    SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, TextureFilter,
+    ToneMapping, Unit, Wrap,
 };
 
 use super::{BALL, load, parse};
@@ -162,7 +162,7 @@ fn film_and_integrator_read_every_key() {
 fn material_reads_every_constant() {
     let text = "base_weight = 0.5\nbase_color = [0.1, 0.2, 0.3]\nbase_metalness = 1\nspecular_weight = 0.25\n\
         specular_color = 0.5\nspecular_roughness = 0.75\nspecular_ior = 1.25\ntransmission_weight = 0.125\n\
-        transmission_color = \"#ff0000\"\ntransmission_depth = 3\nsubsurface_weight = 1\n\
+        transmission_color = \"#ff0000\"\ntransmission_depth = 3\ntransmission_tint = [0.5, 1, 0.25]\nsubsurface_weight = 1\n\
         subsurface_color = \"vertex\"\nsubsurface_radius = 2\nsubsurface_radius_scale = [3, 2, 1]\n\
         subsurface_scatter_anisotropy = -0.5\nsubsurface_model = \"none\"\nsubsurface_parameter = \"dmfp\"\n\
         subsurface_configuration = \"searchlight\"\nsubsurface_eta = 1.4\nsubsurface_flights = 250\n\
@@ -181,6 +181,7 @@ fn material_reads_every_constant() {
         transmission_weight: ScalarInput::constant(0.125),
         transmission_color: color(1.0, 0.0, 0.0),
         transmission_depth: 3.0,
+        transmission_tint: color(0.5, 1.0, 0.25),
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::vertex(),
         subsurface_radius: ScalarInput::constant(2.0),
@@ -291,7 +292,7 @@ fn material_textures_have_their_mapping() {
         "[[material]]\nname = \"m\"\n\
          base_color = { file = \"a.png\", factor = [1, 2, 3], uv_scale = [2, 3], uv_offset = [0.5, 0], uv_rotation = 90, wrap = [\"clamp\", \"mirror\"], vertex_color = true }\n\
          subsurface_color = { file = \"a.png\" }\n\
-         coat_weight = { file = \"a.png\", channel = \"blue\", factor = 0.5, wrap = \"clamp\" }\n\
+         coat_weight = { file = \"a.png\", channel = \"blue\", factor = 0.5, wrap = \"clamp\", filter = \"nearest\" }\n\
          geometry_normal = { file = \"n.png\", scale = -2 }",
     );
     let file = parse(&text).unwrap();
@@ -307,6 +308,7 @@ fn material_textures_have_their_mapping() {
     // (1, 1) is scaled to (2, 3), turned to (−3, 2), moved to (−2.5, 2).
     assert!(base.coordinates(Vec2::ONE).distance(Vec2::new(-2.5, 2.0)) < 1e-6);
     let (coat, channel) = m.coat_weight.texture.unwrap();
+    assert_eq!([base.filter, coat.filter], [TextureFilter::Linear, TextureFilter::Nearest]);
     assert_eq!(
         (coat.image, channel, coat.wrap, m.coat_weight.factor),
         (1, Channel::Blue, [Wrap::Clamp; 2], 0.5)

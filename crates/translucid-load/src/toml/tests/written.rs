@@ -10,12 +10,16 @@ use tempfile::TempDir;
 use translucid_scene::description::{Content, Provenance, SceneSlot, Value, quoted};
 use translucid_scene::{
     CameraVisibility, ColorInput, Configuration, Environment, FilterKind, Image, LayerMedium, Light,
-    Material, Projection, Scene, SceneError, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel,
-    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
+    Material, Projection, Scene, SubsurfaceLayer, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, ToneMapping, Unit,
 };
 use translucid_testing::{SplitMix, power};
 
-use crate::{ExtendedBase, LoadOptions, load_image, load_scene, still_life};
+use crate::result::Result;
+use crate::{
+    ExtendedBase, Floor, LoadOptions, MeshBase, Surroundings, UpAxis, Viewpoint, load_image, load_scene,
+    still_life,
+};
 
 /// A triangle with texture coordinates and vertex colors, twice under one name; two materials share a name, too.
 fn textured_gltf() -> String {
@@ -73,12 +77,13 @@ impl Editing {
     fn of(file: &str, text: &str, preset: Option<&str>, unit: Option<Unit>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let preset = preset.map(String::from);
-        let base = ExtendedBase { extends: file.into(), preset: preset.clone(), unit };
+        let mesh = MeshBase { preset, unit, ..MeshBase::default() };
+        let options = mesh.apply(LoadOptions::default());
+        let base = ExtendedBase { extends: file.into(), mesh };
         let scene = if file == "still-life" {
             still_life(&LoadOptions::default()).unwrap()
         } else {
             fs::write(folder.path().join(file), text).unwrap();
-            let options = LoadOptions { preset, unit, ..LoadOptions::default() };
             load_scene(&folder.path().join(file), &options, &mut Vec::new()).unwrap()
         };
         fs::write(folder.path().join("sky.png"), png()).unwrap();
@@ -99,7 +104,7 @@ impl Editing {
         Arc::new(load_image(&path, translucid_scene::ColorSpace::Srgb, &mut Vec::new()).unwrap())
     }
 
-    fn text(&self, edited: &Scene) -> Result<String, SceneError> {
+    fn text(&self, edited: &Scene) -> Result<String> {
         self.base.write(&self.scene, edited, Some("sky.png"))
     }
 
@@ -545,4 +550,77 @@ fn layers_are_written_and_taken_away() {
     assert!(text.contains(line), "{text}");
     let text = base.write(&layered, &plain, None).unwrap();
     assert!(text.ends_with("layer = \"none\"\n"), "{text}");
+}
+
+/// A mesh in every stance, with all that is seen of it, is the same scene by its file.
+#[test]
+fn mesh_is_written_with_all_that_its_base_is_made_by() {
+    let editing = Editing::mesh();
+    let mesh_path = editing.folder.path().join("pyramid.obj");
+    let stances = [
+        MeshBase { up: Some(UpAxis::Z), ..MeshBase::default() },
+        MeshBase { up: Some(UpAxis::MinusX), rotate: [10.5, -0.1, 1e-3], ..MeshBase::default() },
+        MeshBase {
+            floor: Some(Floor::Shadow),
+            viewpoint: Viewpoint::from_text("right"),
+            ..MeshBase::default()
+        },
+        MeshBase {
+            floor: Floor::from_text("#3050a0"),
+            viewpoint: Some(Viewpoint::of(-30.25, 15.1)),
+            ..MeshBase::default()
+        },
+    ];
+    for mesh in stances {
+        let load = |options: LoadOptions| load_scene(&mesh_path, &options, &mut Vec::new()).unwrap();
+        let scene = load(mesh.apply(LoadOptions::default()));
+        // What an option changes beyond the base is written as any edit
+        let zoomed = load(LoadOptions { zoom: Some(1.5), ..mesh.apply(LoadOptions::default()) });
+        let base = ExtendedBase { extends: "pyramid.obj".into(), mesh };
+        let turned = Editing { folder: tempfile::tempdir().unwrap(), base, scene };
+        fs::copy(&mesh_path, turned.folder.path().join("pyramid.obj")).unwrap();
+        turned.check(&turned.scene.clone());
+        turned.check(&zoomed);
+    }
+}
+
+/// Surroundings in place of automatic lights are written with their file, over a base without a floor.
+#[test]
+fn surroundings_of_a_mesh_are_written() {
+    let editing = Editing::mesh();
+    let mesh = MeshBase { floor: Some(Floor::None), ..editing.base.mesh.clone() };
+    let options = mesh.apply(LoadOptions::default());
+    let path = editing.folder.path().join("pyramid.obj");
+    let scene = load_scene(&path, &options, &mut Vec::new()).unwrap();
+    let file = Some(editing.folder.path().join("sky.png"));
+    let surroundings = Surroundings { file, rotation: Some(33.0), strength: Some(2.0) };
+    let lit = load_scene(&path, &LoadOptions { surroundings, ..options }, &mut Vec::new()).unwrap();
+    let base = ExtendedBase { mesh, ..editing.base.clone() };
+    Editing { base, scene, ..editing }.check(&lit);
+}
+
+#[test]
+fn preset_is_written_by_its_name_and_names_what_came_from_one() {
+    let editing = Editing::mesh();
+    let given = |name: &str| {
+        let preset = translucid_profile::convention::preset(name).unwrap();
+        Material::of_preset(preset, Unit::Centimeter)
+    };
+    let mut edited = editing.scene.clone();
+    edited.materials[0] = given("skin1");
+    let head =
+        "extends = \"pyramid.obj\"\npreset = \"jade\"\nunit = \"cm\"\n\n[[material]]\nname = \"jade\"\n";
+    assert_eq!(editing.text(&edited).unwrap(), format!("{head}preset = \"skin1\"\n"));
+    editing.check(&edited);
+    edited.materials[0].specular_ior = 1.7;
+    assert_eq!(editing.text(&edited).unwrap(), format!("{head}preset = \"skin1\"\nspecular_ior = 1.7\n"));
+    editing.check(&edited);
+    // A name that another material has stays free of it, and so does one that no preset has
+    edited.materials[1] = Material { name: "skin1".into(), ..edited.materials[1].clone() };
+    assert!(editing.text(&edited).is_err(), "there is no key for another name");
+    let mut editing = editing;
+    editing.scene.materials[1].name = "skin1".into();
+    edited.materials[0] = Material { name: "jade".into(), ..given("skin1") };
+    let text = editing.text(&edited).unwrap();
+    assert_eq!(text, format!("{head}preset = \"skin1\"\n"));
 }

@@ -47,6 +47,13 @@ impl File {
         Self { json, bytes: Vec::new() }
     }
 
+    /// The two chunks of a GLB.
+    pub(crate) fn of_glb(bytes: &[u8]) -> Self {
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let json = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+        Self { json, bytes: bytes[28 + length..].to_vec() }
+    }
+
     /// A tetrahedron in one node.
     pub(crate) fn tetrahedron() -> Self {
         let mut file = Self::empty();

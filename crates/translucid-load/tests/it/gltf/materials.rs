@@ -4,7 +4,8 @@ use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use translucid_load::load_gltf;
 use translucid_scene::{
-    Channel, ColorInput, ColorSpace, Material, Pixels, ScalarInput, SubsurfaceModel, TextureRef, Unit, Wrap,
+    Channel, ColorInput, ColorSpace, Material, Pixels, ScalarInput, SubsurfaceModel, TextureFilter,
+    TextureRef, Unit, Wrap,
 };
 
 use super::builder::{File, Loaded, parse, png};
@@ -183,7 +184,7 @@ fn clearcoat_becomes_the_coat() {
 }
 
 #[test]
-fn transmission_takes_its_tint_from_the_volume_else_from_the_base() {
+fn transmission_is_tinted_by_the_base_beside_what_the_volume_absorbs() {
     let glass = |volume: Value| {
         let mut file = with_textures(json!({
             "pbrMetallicRoughness": { "baseColorFactor": [0.9, 0.8, 0.7, 1] },
@@ -201,12 +202,14 @@ fn transmission_takes_its_tint_from_the_volume_else_from_the_base() {
     assert_eq!(material.transmission_weight, ScalarInput::constant(0.5));
     assert_eq!(material.transmission_color.factor, Vec3::new(0.1, 0.2, 0.3));
     assert_eq!(material.transmission_depth, 5.0);
+    assert_eq!(material.transmission_tint.factor, Vec3::new(0.9, 0.8, 0.7));
+    assert_eq!(material.crossing_tint(), &material.base_color);
     assert!(warnings.is_empty() && !material.geometry_thin_walled, "{warnings:?}");
     // A pane, whose attenuation has no length to act on
     for volume in [Value::Null, json!({ "attenuationDistance": 0.005, "attenuationColor": [0.1, 0.2, 0.3] })]
     {
         let (material, warnings) = glass(volume);
-        assert_eq!(material.transmission_color.factor, Vec3::new(0.9, 0.8, 0.7));
+        assert_eq!(material.crossing_tint().factor, Vec3::new(0.9, 0.8, 0.7));
         assert_eq!(material.transmission_depth, 0.0);
         assert!(warnings.is_empty() && material.geometry_thin_walled, "{warnings:?}");
     }
@@ -269,6 +272,61 @@ fn scattering_entered_through_clear_transmission_is_subsurface_too() {
     let (material, _) = read(material);
     assert_eq!(material.subsurface_weight, ScalarInput::constant(0.5));
     assert_eq!(material.transmission_weight, ScalarInput::constant(0.0));
+}
+
+/// Transmission takes its factor first, diffuse transmission its of the rest, and one of 0 is as if it were not there.
+#[test]
+fn transmission_goes_before_diffuse_transmission() {
+    let both = |clear: Value, diffuse: Value| {
+        let mut material = skin();
+        material["extensions"]["KHR_materials_transmission"] = clear;
+        material["extensions"]["KHR_materials_diffuse_transmission"] = diffuse;
+        let (found, warnings) = read(material);
+        ([found.subsurface_weight.factor, found.subsurface_color.factor.x / 0.572], warnings)
+    };
+    let tinted = |factor: f64| json!({ "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": [0.5, 1, 1] });
+    let clear = |factor: f64| json!({ "transmissionFactor": factor });
+    for (t, d, expected) in [
+        (1.0, 0.0, [1.0, 1.0]),
+        (0.5, 0.0, [0.5, 1.0]),
+        (0.0, 0.5, [0.5, 0.5]),
+        (0.5, 0.5, [0.75, (0.5 + 0.25 * 0.5) / 0.75]),
+        (0.25, 0.8, [0.85, (0.25 + 0.6 * 0.5) / 0.85]),
+    ] {
+        let (found, warnings) = both(clear(t), tinted(d));
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{t} {d}: {found:?}");
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+    let mut image = tinted(0.5);
+    image["diffuseTransmissionTexture"] = json!({ "index": 1 });
+    let (found, warnings) = both(clear(0.5), image.clone());
+    assert!(
+        (found[0] - 0.75).abs() < 1e-6 && warnings[0].contains("diffuseTransmissionTexture is left out"),
+        "{warnings:?}"
+    );
+    assert_eq!(both(clear(0.0), image).1, [""; 0]);
+    // A solid that absorbs, and is not entered diffusely at all
+    let mut solid = skin();
+    solid["extensions"].as_object_mut().unwrap().remove("KHR_materials_volume_scatter");
+    solid["extensions"]["KHR_materials_transmission"] = clear(1.0);
+    solid["extensions"]["KHR_materials_diffuse_transmission"] = tinted(0.0);
+    let (solid, _) = read(solid);
+    assert_eq!((solid.subsurface_weight.factor, solid.transmission_weight.factor), (0.0, 1.0));
+}
+
+#[test]
+fn the_base_color_of_light_that_enters_a_scattering_volume_is_told_of() {
+    let told = |clear: f64, base: [f64; 4]| {
+        let mut material = skin();
+        material["pbrMetallicRoughness"] = json!({ "baseColorFactor": base });
+        material["extensions"]["KHR_materials_transmission"] = json!({ "transmissionFactor": clear });
+        read(material).1.concat()
+    };
+    assert!(
+        told(0.5, [0.9, 1.0, 1.0, 1.0])
+            .contains("the base color of light that transmissionFactor lets in is left out")
+    );
+    assert_eq!([told(0.5, [1.0; 4]), told(0.0, [0.9, 1.0, 1.0, 1.0])], ["", ""]);
 }
 
 #[test]
@@ -564,6 +622,23 @@ fn samplers_set_the_wrap_modes() {
     file.json["textures"][0]["sampler"] = json!(0);
     let texture = file.load().scene.materials[0].geometry_normal.unwrap().texture;
     assert_eq!(texture.wrap, [Wrap::Clamp, Wrap::Mirror]);
+}
+
+/// glTF 2.0, section 5.26: 9728 is NEAREST. What is seen from afar is averaged by samples in any case.
+#[test]
+fn samplers_of_nearest_pixels_show_them() {
+    let filter = |sampler: Value| {
+        let mut file = with_textures(json!({ "normalTexture": { "index": 0 } }));
+        file.push("samplers", sampler);
+        file.json["textures"][0]["sampler"] = json!(0);
+        let loaded = file.load();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        loaded.scene.materials[0].geometry_normal.unwrap().texture.filter
+    };
+    assert_eq!(filter(json!({ "magFilter": 9728, "minFilter": 9728 })), TextureFilter::Nearest);
+    for sampler in [json!({}), json!({ "magFilter": 9729 }), json!({ "minFilter": 9728 })] {
+        assert_eq!(filter(sampler.clone()), TextureFilter::Linear, "{sampler}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@
 mod alone;
 mod broken;
 mod builder;
+mod draco;
 mod geometry;
 mod hierarchy;
 mod materials;

@@ -226,7 +226,7 @@ impl Conversion<'_> {
             .map(|(&a, values)| {
                 let albedo = SurfaceAlbedo::new(a, greatest.max(a)).map_err(fail)?;
                 let channel = source.read(values, albedo, self.configuration).map_err(fail)?;
-                channel.in_unit(source.unit.in_millimeters(self.unit)).map_err(fail)
+                channel.in_unit(source.unit.unwrap_or(self.unit).in_millimeters()).map_err(fail)
             })
             .collect::<Result<_, _>>()?;
 

@@ -1,7 +1,7 @@
 //! Names of systems, and what a misspelt one may have meant.
 
-use crate::InputError;
 use crate::convention::System;
+use crate::{InputError, nearest};
 
 /// Names of all systems that materials are converted between, each once.
 pub fn conversion_system_names() -> Vec<&'static str> {
@@ -60,17 +60,14 @@ pub(super) fn advice(name: &str, known: &[&str]) -> String {
 /// Names that begin with what was written, else the nearest if it is near.
 fn meant<'a>(name: &str, known: &[&'a str]) -> Vec<&'a str> {
     let name = name.to_lowercase();
-    // The distance takes time in the product of both lengths
-    if name.is_empty() || name.len() > 100 {
+    if name.is_empty() {
         return Vec::new();
     }
     let beginning: Vec<_> = known.iter().copied().filter(|n| n.to_lowercase().starts_with(&name)).collect();
     if !beginning.is_empty() {
         return beginning;
     }
-    let distance = |n: &str| strsim::damerau_levenshtein(&name, &n.to_lowercase());
-    let near = known.iter().map(|n| (distance(n), *n)).min_by_key(|&(d, _)| d);
-    near.filter(|&(d, _)| d <= (name.chars().count() / 3).max(1)).map(|(_, n)| n).into_iter().collect()
+    nearest(&name, known.iter().copied()).into_iter().collect()
 }
 
 #[cfg(test)]

@@ -70,7 +70,7 @@ pub(super) fn write(
         .iter()
         .map(|p| given(p).map_or(p.role.default(), |setting| setting.value(0)))
         .collect();
-    let millimeters = system.unit.in_millimeters(scene);
+    let millimeters = system.unit.unwrap_or(scene).in_millimeters();
     let written: Vec<Number> = channels
         .iter()
         .map(|channel| system.write(&channel.in_unit(1.0 / millimeters)?, &values, configuration))
@@ -154,7 +154,7 @@ pub(super) fn write(
 
 /// Unit of a length, with the factor that the system multiplies it by.
 fn unit_name(system: &System, scene: Unit) -> String {
-    let unit = system.unit.name().unwrap_or(scene.name());
+    let unit = system.unit.unwrap_or(scene).name();
     // A factor that starts as what changes nothing leaves the unit as it is
     let factor =
         system.parameters.iter().find(|p| matches!(p.role, Role::Factor { default, per } if default != per));

@@ -274,21 +274,9 @@ impl NormalizedDiffusion {
 impl Profile for NormalizedDiffusion {
     methods_of!(|own| own; all);
 
-    fn beyond(&self, r: f64) -> f64 {
-        self.surface_albedo * self.complementary_cdf(r)
-    }
-
-    fn surface_albedo(&self) -> f64 {
-        self.surface_albedo
-    }
-
     /// Width d \[L\].
     fn scale(&self) -> f64 {
         self.d
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 
     fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {

@@ -72,18 +72,9 @@ impl ExactProfile {
 
 impl Profile for ExactProfile {
     methods_of!(|own| own.table; all);
-    methods_of!(|own| own.table; beyond);
-
-    fn surface_albedo(&self) -> f64 {
-        self.table.surface_albedo()
-    }
 
     fn scale(&self) -> f64 {
         self.mfp()
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 }
 

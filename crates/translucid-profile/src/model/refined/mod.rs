@@ -227,21 +227,9 @@ impl RefinedDiffusion {
 impl Profile for RefinedDiffusion {
     methods_of!(|own| own; all);
 
-    fn beyond(&self, r: f64) -> f64 {
-        self.surface_albedo * self.complementary_cdf(r)
-    }
-
-    fn surface_albedo(&self) -> f64 {
-        self.surface_albedo
-    }
-
     /// Mean radius \[L\].
     fn scale(&self) -> f64 {
         self.mean_radius()
-    }
-
-    fn samples_directly(&self) -> bool {
-        true
     }
 
     fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {

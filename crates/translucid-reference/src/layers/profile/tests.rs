@@ -8,6 +8,8 @@ use translucid_testing::is_thorough;
 use super::super::Layer;
 use super::*;
 use crate::Incidence;
+use crate::body::layered::arriving;
+use crate::body::photon::Fate;
 use crate::exact::HalfSpace;
 use crate::split_mix::SplitMix;
 
@@ -106,64 +108,6 @@ fn profiles_have_the_totals() {
     }
 }
 
-/// Photons one by one; rings of radii at which they leave, above and below.
-struct SlowWalk<'a> {
-    layers: &'a Layers,
-    /// Depths of the faces.
-    faces: Vec<f64>,
-}
-
-impl SlowWalk<'_> {
-    /// Returns the side and radius of the exit of a scattered photon.
-    fn photon(&self, random: &mut SplitMix) -> Option<(usize, f64)> {
-        let ([mut x, mut y, mut z], mut direction) = ([0.0; 3], [0.0, 0.0, 1.0]);
-        let (mut layer, mut scattered) = (0, false);
-        let mut depth = -(1.0 - random.uniform()).ln();
-        loop {
-            let medium = &self.layers.layers()[layer];
-            let down = direction[2] > 0.0;
-            let face = if down { self.faces[layer + 1] } else { self.faces[layer] };
-            let to_face = (face - z) / direction[2];
-            let to_collision = depth / medium.extinction();
-            let way = to_face.min(to_collision);
-            x += way * direction[0];
-            y += way * direction[1];
-            if to_collision < to_face {
-                z += way * direction[2];
-                if random.uniform() * medium.extinction() > medium.scattering {
-                    return None;
-                }
-                (scattered, direction) = (true, isotropic(random));
-                depth = -(1.0 - random.uniform()).ln();
-                continue;
-            }
-            z = face;
-            depth -= way * medium.extinction();
-            if down && layer + 1 == self.layers.layers().len() {
-                let Ground::Lambertian { reflectance } = self.layers.ground() else {
-                    return scattered.then_some((1, x.hypot(y)));
-                };
-                if random.uniform() > reflectance {
-                    return None;
-                }
-                let (cosine, angle) = (random.uniform().sqrt(), 2.0 * PI * random.uniform());
-                let sine = (1.0 - cosine * cosine).sqrt();
-                (scattered, direction) = (true, [sine * angle.cos(), sine * angle.sin(), -cosine]);
-            } else if !down && layer == 0 {
-                return scattered.then_some((0, x.hypot(y)));
-            } else {
-                layer = if down { layer + 1 } else { layer - 1 };
-            }
-        }
-    }
-}
-
-fn isotropic(random: &mut SplitMix) -> [f64; 3] {
-    let (cosine, angle) = (2.0 * random.uniform() - 1.0, 2.0 * PI * random.uniform());
-    let sine = (1.0 - cosine * cosine).sqrt();
-    [sine * angle.cos(), sine * angle.sin(), cosine]
-}
-
 /// Counts in rings, each within 5 standard errors: once in 10⁵ runs one of the 56 is farther off by chance.
 #[test]
 fn layers_are_those_of_a_slow_walk() {
@@ -171,18 +115,18 @@ fn layers_are_those_of_a_slow_walk() {
     let ends = [0.0, 0.02, 0.05, 0.15, 0.4, 0.8, 1.5, 3.0];
     for (layers, ground) in stacks() {
         let layers = Layers::new(1.0, layers, ground).unwrap();
-        let mut faces = vec![0.0];
-        for layer in layers.layers() {
-            faces.push(faces[faces.len() - 1] + layer.thickness);
-        }
-        let walk = SlowWalk { layers: &layers, faces };
         let mut random = SplitMix::of_photon(7, 0);
         let mut counts = [[0.0; 7]; 2];
         for _ in 0..photons {
-            if let Some((side, r)) = walk.photon(&mut random)
-                && r < 3.0
+            let end = arriving(&layers, Incidence::NORMAL, &mut random).expect("no face reflects");
+            let [x, y, _] = end.ray.position;
+            let ring = ends.partition_point(|end| *end <= x.hypot(y)) - 1;
+            // Light that goes straight through is a beam, and not in the profile
+            if let Fate::Left(side) = end.fate
+                && ring < 7
+                && x != 0.0
             {
-                counts[side][ends.partition_point(|end| *end <= r) - 1] += 1.0;
+                counts[side][ring] += 1.0;
             }
         }
         let profile = layers.profile().unwrap();

@@ -1,4 +1,4 @@
-//! The walk through layers against its twin, the other walks, what is published, and itself.
+//! The walk through layers against the slow walk, exact solutions, what is published, and itself.
 //!
 //! Seeds are fixed. Errors are those between 64 batches, so a deviate is one of Student's distribution with 63 degrees of
 //! freedom: |z| ≥ 5 has a probability of 5e-6. All tests of this file make some 500 comparisons: false-alarm rate 0.3 %.
@@ -8,11 +8,12 @@ use std::sync::atomic::AtomicBool;
 use fearless_simd::Level;
 use translucid_testing::power;
 
-use super::twin::{End, photon};
 use super::{Grid, LayersTally, Quantity};
+use crate::body::layered::arriving;
+use crate::body::photon::Fate;
 use crate::layers::{Ground, Layer, Layers};
 use crate::split_mix::SplitMix;
-use crate::walk::{Control, Parameters, PhaseFunction, Problem, Side, narrower_levels, trace};
+use crate::walk::{Control, narrower_levels};
 use crate::{Estimate, Incidence};
 
 fn layers(list: &[Layer], ground: Ground) -> Layers {
@@ -83,7 +84,7 @@ fn cases() -> Vec<(&'static str, Layers, Incidence)> {
 
 const GRID: Grid = Grid { dz: 0.05, dr: 0.1, nz: 9, nr: 8, na: 5 };
 
-/// Counts of the twin in the order of the tally.
+/// Counts of the slow walk in the order of the tally.
 fn count(layers: &Layers, incidence: Incidence, photons: u64) -> Vec<(Quantity, Vec<u64>)> {
     use Quantity as Q;
     let mut counts: Vec<(Q, Vec<u64>)> = [
@@ -104,26 +105,30 @@ fn count(layers: &Layers, incidence: Incidence, photons: u64) -> Vec<(Quantity, 
     .into();
     let mut random = SplitMix::of_photon(5, 0);
     for _ in 0..photons {
-        let end = photon(layers, incidence, &mut random);
         let ring = |r: f64| ((r / GRID.dr) as usize).min(GRID.nr - 1);
         let angle = |cosine: f64| {
             ((cosine.acos() / std::f64::consts::FRAC_PI_2 * GRID.na as f64) as usize).min(GRID.na - 1)
         };
-        let places = match end {
-            End::Specular => vec![],
-            End::Ground => vec![(Q::Ground, 0)],
-            End::Reflected(r, cosine) => vec![
-                (Q::Reflected, 0),
-                (Q::ReflectedByRing, ring(r)),
-                (Q::ReflectedByAngle, angle(cosine)),
-                (Q::ReflectedByRingAndAngle, ring(r) * GRID.na + angle(cosine)),
-            ],
-            End::Transmitted(r, cosine) => vec![
+        let Some(end) = arriving(layers, incidence, &mut random) else { continue };
+        let ([x, y, z], inside) = (end.ray.position, end.ray.direction[2]);
+        let r = x.hypot(y);
+        let outside = |eta: f64| angle((1.0 - eta * eta * (1.0 - inside * inside)).max(0.0).sqrt());
+        let places = match (end.fate, layers.ground()) {
+            (Fate::Left(0), _) => {
+                let angle = outside(layers.layers()[0].eta / layers.eta_above());
+                vec![
+                    (Q::Reflected, 0),
+                    (Q::ReflectedByRing, ring(r)),
+                    (Q::ReflectedByAngle, angle),
+                    (Q::ReflectedByRingAndAngle, ring(r) * GRID.na + angle),
+                ]
+            }
+            (Fate::Left(_), Ground::Medium { eta }) => vec![
                 (Q::Transmitted, 0),
                 (Q::TransmittedByRing, ring(r)),
-                (Q::TransmittedByAngle, angle(cosine)),
+                (Q::TransmittedByAngle, outside(layers.layers()[layers.layers().len() - 1].eta / eta)),
             ],
-            End::Absorbed(layer, r, z) => {
+            (Fate::Absorbed(layer), _) => {
                 let depth = ((z / GRID.dz) as usize).min(GRID.nz - 1);
                 vec![
                     (Q::Absorbed, 0),
@@ -132,6 +137,7 @@ fn count(layers: &Layers, incidence: Incidence, photons: u64) -> Vec<(Quantity, 
                     (Q::AbsorbedByRingAndDepth, ring(r) * GRID.nz + depth),
                 ]
             }
+            (Fate::Ground | Fate::Left(_), _) => vec![(Q::Ground, 0)],
         };
         for (quantity, place) in places {
             counts
@@ -144,7 +150,7 @@ fn count(layers: &Layers, incidence: Incidence, photons: u64) -> Vec<(Quantity, 
 }
 
 #[test]
-fn walk_and_twin_agree() {
+fn walk_and_slow_walk_agree() {
     let photons = power(400_000);
     for (name, layers, incidence) in cases() {
         let tally = walk(&layers, incidence, GRID, 4 * photons);
@@ -239,33 +245,6 @@ fn walk_and_exact_profile_agree() {
         if ring > 0 {
             let transmitted = mean(&|r| profile.transmittance(r).value);
             assert_near(&format!("T of ring {ring}"), tally.transmittance(ring), exact(transmitted));
-        }
-    }
-}
-
-/// One layer is the slab of the other walk, which draws absorption and shares no crossing of faces.
-#[test]
-fn one_layer_is_the_slab() {
-    let photons = power(400_000);
-    for (g, eta, alpha, thickness, incidence) in [
-        (0.0, 1.0, 0.9, 2.0, Incidence::NORMAL),
-        (0.8, 1.4, 0.95, 5.0, Incidence::Cosine),
-        (-0.5, 0.8, 0.7, 0.4, Incidence::Cosine),
-        (0.3, 1.5, 0.99, 40.0, Incidence::Pencil { cos_theta: 0.5 }),
-    ] {
-        let layer = Layer::new(alpha, 1.0 - alpha, thickness).with_g(g).with_eta(eta);
-        let tally = walk(&layers(&[layer], Ground::AIR), incidence, Grid::TOTALS, photons);
-        let phase_function = PhaseFunction::HenyeyGreenstein { g };
-        let parameters = Parameters { phase_function, eta, thickness, incidence, spot_radius: 0.0 };
-        let mut sides = [0, 0];
-        trace(&Problem::new(parameters).unwrap(), alpha, 3, 0..photons, &mut |exits| {
-            exits.iter().for_each(|exit| sides[usize::from(exit.side == Side::Transmitted)] += 1);
-        });
-        for (quantity, count) in [Quantity::Reflected, Quantity::Transmitted].into_iter().zip(sides) {
-            let Estimate { value, error } = share(count, photons);
-            let entered = 1.0 - tally.specular();
-            let other = Estimate { value: entered * value, error: entered * error };
-            assert_near(&format!("{g} {eta} {quantity:?}"), tally.total(quantity), other);
         }
     }
 }

@@ -1,74 +1,10 @@
 //! Layers in single precision, as the kernel needs them.
 
-use fearless_simd::{Simd, mask32x16};
 use translucid_profile::{ParameterError, require};
 
 use super::grid::Grid;
 use crate::layers::{Ground, Layers};
-use crate::walk::Side;
-use crate::walk::boundary::Interface;
-use crate::walk::lanes::Floats;
-
-/// Free path in a layer without collisions, in units of the walk: beyond every face.
-const CLEAR: f32 = 1e30;
-
-/// A layer, its lengths in units of the walk.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Medium {
-    /// Mean free path.
-    pub(super) mfp: f32,
-    /// Thickness.
-    pub(super) thickness: f32,
-    /// Depth of its top.
-    pub(super) top: f32,
-    /// Part of the light that a collision absorbs.
-    pub(super) absorbed: f32,
-    pub(super) above: Face,
-    pub(super) below: Face,
-}
-
-impl Medium {
-    /// Returns whether light has no collisions in it.
-    pub(super) fn is_clear(&self) -> bool {
-        self.mfp >= CLEAR
-    }
-
-    /// Returns which cosines both faces reflect totally.
-    #[inline(always)]
-    pub(super) fn traps<S: Simd>(&self, mu: Floats<S>) -> mask32x16<S> {
-        self.above.interface.reflects_totally(mu) & self.below.interface.reflects_totally(mu)
-    }
-}
-
-/// A face of a layer, seen from inside.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Face {
-    pub(super) interface: Interface,
-    /// Index of refraction here over that beyond.
-    pub(super) eta: f32,
-    pub(super) beyond: Beyond,
-}
-
-/// Place that light gets to through a face.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Beyond {
-    Layer(usize),
-    Outside(Side),
-    /// A Lambertian ground of this reflectance.
-    Ground(f32),
-}
-
-impl Face {
-    fn new(here: f64, there: f64, beyond: Beyond) -> Self {
-        let eta = here / there;
-        Self { interface: Interface::new(eta), eta: eta as f32, beyond }
-    }
-
-    /// Returns whether all light gets through.
-    pub(super) fn is_matched(&self) -> bool {
-        self.eta == 1.0
-    }
-}
+use crate::walk::boundary::{Beyond, CLEAR, Face, Medium};
 
 /// The layers as the kernel needs them, and the unit of length of the walk.
 ///
@@ -99,16 +35,14 @@ pub(super) fn media(layers: &Layers) -> Result<(Vec<Medium>, f64), ParameterErro
             "more than 1e-12 of the shortest mean free path, for a walk",
         )?;
         let above = match i {
-            0 => Face::new(layer.eta, layers.eta_above(), Beyond::Outside(Side::Reflected)),
-            _ => Face::new(layer.eta, list[i - 1].eta, Beyond::Layer(i - 1)),
+            0 => Face::new(layer.eta / layers.eta_above(), Beyond::Outside),
+            _ => Face::new(layer.eta / list[i - 1].eta, Beyond::Layer(i - 1)),
         };
         let below = match (list.get(i + 1), layers.ground()) {
-            (Some(next), _) => Face::new(layer.eta, next.eta, Beyond::Layer(i + 1)),
-            (None, Ground::Medium { eta }) => Face::new(layer.eta, eta, Beyond::Outside(Side::Transmitted)),
-            (None, Ground::Lambertian { reflectance }) => {
-                Face::new(1.0, 1.0, Beyond::Ground(reflectance as f32))
-            }
-            (None, Ground::None) => Face::new(1.0, 1.0, Beyond::Ground(0.0)),
+            (Some(next), _) => Face::new(layer.eta / next.eta, Beyond::Layer(i + 1)),
+            (None, Ground::Medium { eta }) => Face::new(layer.eta / eta, Beyond::Outside),
+            (None, Ground::Lambertian { reflectance }) => Face::new(1.0, Beyond::Ground(reflectance as f32)),
+            (None, Ground::None) => Face::new(1.0, Beyond::Ground(0.0)),
         };
         media.push(Medium {
             mfp: if extinction > 0.0 { (1.0 / extinction) as f32 } else { CLEAR },

@@ -4,10 +4,10 @@
 //! The bits of a result are a function of layers, light, grid, number of photons and seed: they do not depend on threads.
 
 mod grid;
-mod kernel;
 mod many_weights;
 mod medium;
 mod tally;
+mod weights;
 
 pub use grid::{Grid, Quantity};
 pub use tally::LayersTally;
@@ -19,11 +19,12 @@ use rayon::prelude::*;
 use translucid_profile::{ParameterError, fresnel_from_outside, require};
 
 use self::grid::Places;
-use self::kernel::Setup;
 use self::many_weights::Absorptions;
-use self::medium::{Cells, Medium, media};
+use self::medium::{Cells, media};
 use self::tally::Batch;
+use self::weights::Setup;
 use super::{Ground, Layer, Layers};
+use crate::walk::boundary::Medium;
 use crate::walk::deflection_table::DeflectionLaw;
 use crate::walk::edge_search::EdgeSearch;
 use crate::walk::photon_source::PhotonSource;
@@ -240,7 +241,7 @@ fn walk_in_batches(
         if control.stops() {
             break;
         }
-        let walk = |range: &std::ops::Range<u64>| kernel::walk(level, setup, control.stop, range.clone());
+        let walk = |range: &std::ops::Range<u64>| weights::walk(level, setup, control.stop, range.clone());
         let done: Vec<Option<Batch>> = wave.par_iter().map(walk).collect();
         for Batch { photons, collisions, sums } in done.into_iter().flatten() {
             for (tally, sums) in tallies.iter_mut().zip(sums.chunks_exact(setup.places.count())) {
@@ -259,5 +260,3 @@ fn cosines(angles: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod laws;
-#[cfg(test)]
-mod twin;

@@ -1,5 +1,7 @@
 //! Laws of the kernel: partitions, ends, extremes, instruction sets and totals.
 
+use std::sync::atomic::Ordering;
+
 use super::super::instruction_sets::narrower_levels;
 use super::super::photon_exit::Side;
 use super::super::problem::Parameters;

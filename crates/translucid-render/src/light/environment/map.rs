@@ -11,9 +11,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Mat3, Vec3};
+use translucid_law::{Receiver, luminance};
 use translucid_scene::Image;
 
-use super::super::receiver::{Receiver, luminance};
 use super::cells::{CellTables, WeighedCells};
 
 /// Most cells of the table in azimuth and in elevation; a larger image has several pixels to the cell.

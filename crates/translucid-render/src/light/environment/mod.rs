@@ -7,10 +7,9 @@ mod openings;
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use translucid_law::{Receiver, cosine_hemisphere, luminance, uniform_sphere};
 use translucid_scene::Scene;
 
-use super::directions::{cosine_hemisphere, uniform_sphere};
-use super::receiver::{Receiver, luminance};
 use crate::ray::Geometry;
 pub(crate) use map::EnvironmentMap;
 use openings::Openings;

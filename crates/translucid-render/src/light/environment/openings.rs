@@ -8,9 +8,9 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 use rayon::prelude::*;
+use translucid_law::uniform_sphere;
 use translucid_profile::split_mix::{STEP, split_mix};
 
-use super::super::directions::uniform_sphere;
 use super::super::distribution::Discrete;
 use crate::ray::{Geometry, Ray};
 

@@ -17,7 +17,7 @@ fn random(seed: u64, index: u32) -> [f32; 8] {
 fn lamp(index: u32) -> Light {
     let [x, y, z, turn, tilt, power, size, angle] = random(31, index);
     let place = Vec3::new(20.0 * x - 10.0, 20.0 * y - 10.0, 4.0 * z);
-    let direction = directions::uniform_sphere([turn, tilt]);
+    let direction = translucid_law::uniform_sphere([turn, tilt]);
     let frame = crate::sampling::Frame::from_normal(direction);
     let size = 0.02 + 0.3 * size * size;
     let radiance = RADIANCE * 10.0_f32.powf(6.0 * power - 3.0);
@@ -49,7 +49,7 @@ fn lamp(index: u32) -> Light {
 fn shard(index: u32) -> EmissiveTriangle {
     let [x, y, z, turn, tilt, power, ..] = random(33, index);
     let place = Vec3::new(20.0 * x - 10.0, 20.0 * y - 10.0, 4.0 * z);
-    let frame = crate::sampling::Frame::from_normal(directions::uniform_sphere([turn, tilt]));
+    let frame = crate::sampling::Frame::from_normal(translucid_law::uniform_sphere([turn, tilt]));
     let vertices = [place, place + 0.2 * frame.x, place + 0.3 * frame.y];
     let radiance = RADIANCE * 10.0_f32.powf(6.0 * power - 3.0);
     EmissiveTriangle { vertices, radiance, primitive: 7 + 3 * u64::from(index) }
@@ -68,7 +68,7 @@ fn receivers(count: u32) -> impl Iterator<Item = Receiver> {
     (0..count).map(|index| {
         let [x, y, z, a, b, ..] = random(37, index);
         let point = Vec3::new(24.0 * x - 12.0, 24.0 * y - 12.0, 4.0 * z);
-        let normal = if index % 4 == 3 { Vec3::ZERO } else { directions::uniform_sphere([a, b]) };
+        let normal = if index % 4 == 3 { Vec3::ZERO } else { translucid_law::uniform_sphere([a, b]) };
         Receiver { point, normal }
     })
 }
@@ -281,7 +281,7 @@ fn tree_is_nearly_as_quiet_as_weighing_every_light() {
 fn mesh_of_triangles_sheds_what_the_same_rectangles_shed() {
     let panel = |i: u32| {
         let [x, y, z, a, b, ..] = random(51, i);
-        let frame = crate::sampling::Frame::from_normal(directions::uniform_sphere([a, b]));
+        let frame = crate::sampling::Frame::from_normal(translucid_law::uniform_sphere([a, b]));
         (Vec3::new(8.0 * x - 4.0, 8.0 * y - 4.0, 2.0 + z), 0.5 * frame.x, 0.7 * frame.y)
     };
     let rectangles = (0..60).map(|i| {
@@ -315,7 +315,7 @@ fn rays_meet_the_same_lights_with_and_without_a_hierarchy() {
     let mut met = 0;
     for (index, receiver) in receivers(3000).enumerate() {
         let [a, b, limit, _] = numbers(57, index as u32);
-        let direction = directions::uniform_sphere([a, b]);
+        let direction = translucid_law::uniform_sphere([a, b]);
         let t_max = if limit < 0.5 { f32::INFINITY } else { 20.0 * limit };
         let each = one_by_one.iter().filter_map(|one| one.intersect(receiver.point, direction, t_max));
         let nearest = each.map(|hit| hit.t).reduce(f32::min);

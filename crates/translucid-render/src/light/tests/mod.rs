@@ -681,7 +681,7 @@ fn assert_sane(lights: &LightSet, what: &str) {
         for normal in [Vec3::ZERO, Vec3::Z, Vec3::NEG_Z, Vec3::X] {
             for index in 0..16 {
                 let [a, b, c, d] = numbers(17, index);
-                let direction = directions::uniform_sphere([c, d]);
+                let direction = translucid_law::uniform_sphere([c, d]);
                 let environment = lights.environment_pdf(point, normal, direction);
                 assert!(environment.is_finite() && environment >= 0.0, "{what} at {point}: {environment}");
                 for (u, v) in [(a, [b, c]), (0.0, [0.0; 2]), (0.999_999_94, [0.999_999_94; 2])] {

@@ -28,10 +28,10 @@
 mod builder;
 
 use glam::{BVec4A, Vec4};
+use translucid_law::Receiver;
 
 use super::bounds::LightBounds;
 use super::emitters::Emitters;
-use super::receiver::Receiver;
 use super::weights::{LightWeights, importance};
 use builder::build;
 

@@ -133,7 +133,7 @@ impl SubsurfaceTransport {
     /// Makes paths look below a material where an exit is dark, but light may have entered where it is bright, or have been
     /// scattered by a brighter layer.
     pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
-        if let Some(medium) = self.medium().filter(|_| surface.subsurface_active != [false; 3]) {
+        if let Some(medium) = self.medium().filter(|_| surface.subsurface_active != Vec3::ZERO) {
             surface.surface_albedo = medium.brightest(surface.surface_albedo);
         }
         if let Some(pairing) = self.probes().and_then(|probes| probes.pairing.as_ref()) {

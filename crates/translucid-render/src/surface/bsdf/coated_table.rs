@@ -10,22 +10,24 @@
 //!
 //! X is given to the matte base or, for a metal, to the light between facets.
 
-use super::dielectric::fresnel_dielectric;
-use super::ggx::Ggx;
-use super::reflectance_table::{
-    AVERAGE_ROWS, COSINE_NODES, MetalTable, ReflectanceTable, ReflectionQuadrature, TableGrid,
-    average_position, average_roughness, cosine_mean, gauss_legendre, mirrored_cos, mix, passed_share, split,
+use translucid_law::{
+    Ggx, LOSS_COLUMNS, LOSS_ROWS, average_at_both, average_loss_at, fresnel_dielectric, loss_at,
 };
 
-/// Nodes over t, over the base's roughness and over the coat's: X is small and smooth.
-const COLUMNS: usize = 16;
-const BASE_ROWS: usize = 8;
-const COAT_ROWS: usize = 6;
+use super::reflectance_table::{
+    AVERAGE_ROWS, COSINE_NODES, MetalTable, ReflectanceTable, ReflectionQuadrature, TableGrid,
+    average_roughness, cosine_mean, gauss_legendre, mirrored_cos, passed_share,
+};
+
+/// Nodes over t, over the base's roughness and over the coat's.
+const COLUMNS: usize = LOSS_COLUMNS as usize;
+const BASE_ROWS: usize = LOSS_ROWS as usize;
+const COAT_ROWS: usize = translucid_law::COAT_ROWS as usize;
 
 /// X over (μ, roughness of the base, roughness of the coat), and its cosine mean.
 #[derive(Clone, Debug)]
 struct Loss {
-    grids: [TableGrid<COLUMNS, BASE_ROWS>; COAT_ROWS],
+    losses: Box<[[f32; COLUMNS * BASE_ROWS]; COAT_ROWS]>,
     average: [[f32; BASE_ROWS]; COAT_ROWS],
 }
 
@@ -50,34 +52,21 @@ impl Loss {
                 cosine_mean(|mu| grids[coat_row].eval(mu, roughness))
             })
         });
-        Self { grids, average }
+        let losses = grids.map(|grid| std::array::from_fn(|place| grid.values()[place]));
+        Self { losses: Box::new(losses), average }
     }
 
     fn eval(&self, mu: f32, roughness: f32, coat_roughness: f32) -> f32 {
-        if Ggx::from_roughness(roughness).is_smooth() {
-            return 0.0;
-        }
-        let (row, r) = split(coat_roughness * (COAT_ROWS - 1) as f32, COAT_ROWS);
-        mix(self.grids[row].eval(mu, roughness), self.grids[row + 1].eval(mu, roughness), r)
+        loss_at(self.losses.as_flattened(), mu, roughness, coat_roughness)
     }
 
-    /// The grids, then their averages.
+    /// The losses, then their averages.
     fn numbers(&self) -> Vec<f32> {
-        self.grids
-            .iter()
-            .flat_map(TableGrid::numbers)
-            .chain(self.average.as_flattened().iter().copied())
-            .collect()
+        [self.losses.as_flattened(), self.average.as_flattened()].concat()
     }
 
     fn average(&self, roughness: f32, coat_roughness: f32) -> f32 {
-        if Ggx::from_roughness(roughness).is_smooth() {
-            return 0.0;
-        }
-        let (row, r) = split(coat_roughness * (COAT_ROWS - 1) as f32, COAT_ROWS);
-        let (base, b) = TableGrid::<COLUMNS, BASE_ROWS>::row_position(roughness);
-        let line = |row: usize| mix(self.average[row][base], self.average[row][base + 1], b);
-        mix(line(row), line(row + 1), r)
+        average_loss_at(self.average.as_flattened(), roughness, coat_roughness)
     }
 }
 
@@ -128,13 +117,14 @@ impl CoatedTable {
 
     /// 2 ∫ (E_c E + X) μ dμ for the dielectric's reflection of albedo E.
     pub(super) fn dielectric_average(&self, roughness: f32, coat_roughness: f32) -> f32 {
-        average(&self.coat_dielectric, roughness, coat_roughness)
+        average_at_both(self.coat_dielectric.as_flattened(), roughness, coat_roughness)
             + self.dielectric.average(roughness, coat_roughness)
     }
 
     /// 2 ∫ (X − E_c (1 − E)) μ dμ for a white metal of albedo E.
     pub(super) fn metal_average(&self, roughness: f32, coat_roughness: f32) -> f32 {
-        self.metal.average(roughness, coat_roughness) - average(&self.coat_metal, roughness, coat_roughness)
+        self.metal.average(roughness, coat_roughness)
+            - average_at_both(self.coat_metal.as_flattened(), roughness, coat_roughness)
     }
 }
 
@@ -151,11 +141,4 @@ fn averages(coat: &ReflectanceTable, base: impl Fn(f32, f32) -> f32) -> Averages
         }
     }
     averages
-}
-
-fn average(averages: &Averages, roughness: f32, coat_roughness: f32) -> f32 {
-    let (c0, c1, c) = average_position(coat_roughness);
-    let (b0, b1, b) = average_position(roughness);
-    let line = |row: usize| mix(averages[row][b0], averages[row][b1], b);
-    mix(line(c0), line(c1), c)
 }

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-use super::dielectric::{fresnel_dielectric, refract, scaled_ior};
-use super::ggx::Ggx;
-use super::reflectance_table::{FacetQuadrature, FineGrid, TableGrid, mirrored_cos, mix, passed_share};
+use translucid_law::{GLASS_LEVELS, Ggx, fresnel_dielectric, refract, scaled_ior};
+
+use super::reflectance_table::{FacetQuadrature, FineGrid, TableGrid, mirrored_cos, passed_share};
 
 /// Reflected plus transmitted fraction of lossless rough glass in single scattering, by which its lobes
 /// are divided [after Turquin 2019, "Practical multiple scattering compensation for microfacet models"].
@@ -22,7 +22,7 @@ pub struct GlassTable {
 }
 
 /// Number of levels of F₀.
-const LEVELS: usize = 4;
+const LEVELS: usize = GLASS_LEVELS as usize;
 
 #[derive(Clone, Debug)]
 struct Sides {
@@ -36,35 +36,11 @@ impl GlassTable {
         Self { eta, levels: [const { OnceLock::new() }; LEVELS] }
     }
 
-    /// The fraction for light seen from outside at cosine `mu`, where the reflectance at normal incidence
-    /// is scaled by `weight`; 1 for a mirror.
-    pub fn from_outside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
-        self.eval(mu, roughness, weight, |sides| &sides.from_outside)
-    }
-
-    /// … seen from inside.
-    pub fn from_inside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
-        self.eval(mu, roughness, weight, |sides| &sides.from_inside)
-    }
-
-    fn eval(&self, mu: f32, roughness: f32, weight: f32, side: impl Fn(&Sides) -> &FineGrid) -> f32 {
-        let ggx = Ggx::from_roughness(roughness);
-        if ggx.is_smooth() {
-            return 1.0;
-        }
-        let level = |k: usize| side(self.level(k)).eval(mu, roughness);
-        let root = weight.sqrt();
-        let (mut above, mut step) = (0, 1.0);
-        while above + 1 < LEVELS && root < 0.5 * step {
-            above += 1;
-            step *= 0.5;
-        }
-        let kept = if above + 1 == LEVELS || root >= 1.0 {
-            level(above)
-        } else {
-            mix(level(above + 1), level(above), 2.0 * root / step - 1.0)
-        };
-        kept.clamp(0.1, 1.0)
+    /// The fraction of a level.
+    pub(super) fn eval(&self, level: u32, is_inside: bool, mu: f32, roughness: f32) -> f32 {
+        let sides = self.level(level as usize);
+        let grid = if is_inside { &sides.from_inside } else { &sides.from_outside };
+        grid.eval(mu, roughness)
     }
 
     fn level(&self, k: usize) -> &Sides {
@@ -73,7 +49,7 @@ impl GlassTable {
 
     /// The tables of all levels, each from outside and from inside.
     pub(super) fn numbers(&self) -> Vec<f32> {
-        let of = |sides: &Sides| sides.from_outside.numbers().chain(sides.from_inside.numbers()).collect();
+        let of = |sides: &Sides| [sides.from_outside.values(), sides.from_inside.values()].concat();
         (0..LEVELS).flat_map(|k| -> Vec<f32> { of(self.level(k)) }).collect()
     }
 }
@@ -99,25 +75,29 @@ fn kept<const CAP: usize, const TURN: usize>(eta: f32) -> FineGrid {
 
 #[cfg(test)]
 mod tests {
+    use translucid_law::glass_kept;
+
     use super::super::brute_force::{COSINES, ROUGHNESSES, brute_force};
+    use super::super::layers::{AskedTables, MaterialTables};
     use super::*;
 
     /// Greatest difference from brute force, outside and inside.
     fn worst(eta: f64, weight: f32) -> (f64, f64) {
-        let table = GlassTable::new(eta as f32);
+        let tables = MaterialTables::new(eta as f32, 1.0);
+        let tables = AskedTables::new(&tables, 0.0);
         let scaled = f64::from(scaled_ior(eta as f32, weight));
-        let (mut outside, mut inside) = (0.0_f64, 0.0_f64);
-        for rho in ROUGHNESSES {
-            for mu in COSINES {
-                let (r, t) = brute_force(mu, rho, scaled);
-                outside =
-                    outside.max((f64::from(table.from_outside(mu as f32, rho as f32, weight)) - r - t).abs());
-                let (r, t) = brute_force(mu, rho, 1.0 / scaled);
-                inside =
-                    inside.max((f64::from(table.from_inside(mu as f32, rho as f32, weight)) - r - t).abs());
+        let worst = |is_inside: bool, eta: f64| {
+            let mut worst = 0.0_f64;
+            for rho in ROUGHNESSES {
+                for mu in COSINES {
+                    let (r, t) = brute_force(mu, rho, eta);
+                    let kept = glass_kept(&tables, is_inside, mu as f32, rho as f32, weight);
+                    worst = worst.max((f64::from(kept) - r - t).abs());
+                }
             }
-        }
-        (outside, inside)
+            worst
+        };
+        (worst(false, scaled), worst(true, 1.0 / scaled))
     }
 
     #[test]

@@ -70,8 +70,9 @@ impl Random {
             transmission_tint: self.color(),
             subsurface_weight: self.corner(),
             surface_albedo: self.color(),
-            subsurface_active: [self.next() < 0.5, self.next() < 0.5, self.next() < 0.5],
-            thin_wall: None,
+            subsurface_active: Vec3::from_array([(); 3].map(|()| f32::from(u8::from(self.next() < 0.5)))),
+            thin: 0,
+            thin_albedo: Vec3::ZERO,
             coat_weight: self.corner(),
             coat_color: self.color(),
             coat_roughness: self.corner(),
@@ -87,7 +88,7 @@ pub(super) fn direction(mu: f32) -> Vec3 {
 
 /// A material as that of a sheet, which scatters with the mean cosine `g`.
 fn thin_walled(p: SurfaceParameters, g: f32) -> SurfaceParameters {
-    SurfaceParameters { subsurface_active: [false; 3], ..p }.scattered_to_both_sides(g)
+    SurfaceParameters { subsurface_active: Vec3::ZERO, ..p }.scattered_to_both_sides(g)
 }
 
 pub(super) fn white() -> SurfaceParameters {
@@ -165,7 +166,7 @@ fn furnace_of_white_matte_under_specular_is_one() {
 fn furnace_of_white_subsurface_under_specular_is_one() {
     let part = SurfaceParameters { subsurface_weight: 0.7, ..white() };
     let mixed =
-        SurfaceParameters { subsurface_weight: 1.0, subsurface_active: [true, false, true], ..white() };
+        SurfaceParameters { subsurface_weight: 1.0, subsurface_active: Vec3::new(1.0, 0.0, 1.0), ..white() };
     assert_furnaces(&MaterialTables::new(1.4, 1.6), &[(part, 1.0, 2e-3), (mixed, 1.0, 2e-3)]);
 }
 
@@ -428,7 +429,7 @@ fn sample_weight_is_value_over_pdf() {
         assert!((expected - weight).abs().max_element() <= 2e-3 * weight.max_element() + 1e-6, "{p:?} {wi}");
         let diffuse = value.diffuse / value.pdf;
         assert!((diffuse - weight * diffuse_share).abs().max_element() <= 2e-3 * weight.max_element() + 1e-6);
-        assert!(!transmitted || value.diffuse == Vec3::ZERO || p.thin_wall.is_some());
+        assert!(!transmitted || value.diffuse == Vec3::ZERO || p.is_thin());
     }
 }
 

@@ -59,7 +59,7 @@ fn subsurface_without_extent_is_the_matte_lobe() {
         let p = SurfaceParameters {
             subsurface_weight: 0.1 + 0.9 * random.next(),
             base_color: Vec3::ZERO,
-            subsurface_active: [true; 3],
+            subsurface_active: Vec3::ONE,
             ..random.material(indices)
         };
         let wo = direction(0.01 + 0.99 * random.next());
@@ -77,7 +77,7 @@ fn subsurface_without_extent_is_the_matte_lobe() {
         }
         let chance = hits as f32 / n as f32;
         let spread = weight * chance * p.surface_albedo * EntryBsdf::new(&p, &tables).eval(wi.z);
-        let flat = Bsdf::new(&SurfaceParameters { subsurface_active: [false; 3], ..p }, &tables, wo)
+        let flat = Bsdf::new(&SurfaceParameters { subsurface_active: Vec3::ZERO, ..p }, &tables, wo)
             .eval(wi)
             .diffuse;
         let allowed = spread.max_element() * (1.0 / hits as f32 + 1e-4) + 1e-6;

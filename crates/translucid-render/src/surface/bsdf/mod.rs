@@ -30,9 +30,6 @@
 #[cfg(test)]
 mod brute_force;
 mod coated_table;
-mod conductor;
-mod dielectric;
-mod ggx;
 mod glass_table;
 #[cfg(test)]
 mod judged;
@@ -43,16 +40,12 @@ mod layers;
 mod light_below;
 mod reflectance_table;
 mod scattering;
-mod surface;
-mod thin_wall;
 
-pub use conductor::MetalFresnel;
-pub use dielectric::{fresnel_dielectric, refract, scaled_ior};
-pub use ggx::Ggx;
 pub use glass_table::GlassTable;
-pub use layers::{EntryBsdf, MaterialTables, sample_cosine};
+pub use layers::{EntryBsdf, MaterialTables};
 pub use reflectance_table::{MetalTable, ReflectanceTable};
 pub(crate) use scattering::LightBelow;
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
-pub use surface::SurfaceParameters;
-pub use thin_wall::Slab;
+pub use translucid_law::{
+    Ggx, MetalFresnel, Slab, SurfaceParameters, fresnel_dielectric, refract, sample_cosine, scaled_ior,
+};

@@ -1,34 +1,24 @@
-//! Directional albedos of rough interfaces, tabulated.
-//!
-//! Tables are over (t, ρ), ρ the perceptual roughness and
-//!
-//! ```text
-//! t = √μ (1 + ρ) / (√μ + ρ)
-//! ```
-//!
-//! in which shadowing at grazing angles, a function of μ/α, keeps its shape however small α = ρ² gets.
+//! Directional albedos of rough interfaces, tabulated as `translucid-law` reads them.
 
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
 use glam::Vec3;
+use translucid_law::{
+    Ggx, SMOOTHEST, average_at, deficit_at, fresnel_dielectric, grid_value, reflectance_at,
+};
 use translucid_profile::quadrature;
 
-use super::dielectric::fresnel_dielectric;
-use super::ggx::Ggx;
-
 /// Nodes of the tables over t and over roughness.
-const COLUMNS: usize = 40;
-const ROWS: usize = 24;
-/// Roughness of the first row: the square root of the smallest width that is not a mirror.
-const SMOOTHEST: f32 = 0.031_622_777;
+const COLUMNS: usize = translucid_law::COLUMNS as usize;
+const ROWS: usize = translucid_law::ROWS as usize;
 /// Nodes of the quadrature over facets: cosine in the cap of normals, half a turn.
 const CAP_NODES: usize = 14;
 const TURN_NODES: usize = 12;
 /// Nodes of the quadrature over μ.
 pub(super) const COSINE_NODES: usize = 32;
 /// Roughnesses of averages: the mirror, then the rows.
-pub(super) const AVERAGE_ROWS: usize = ROWS + 1;
+pub(super) const AVERAGE_ROWS: usize = translucid_law::AVERAGE_ROWS as usize;
 
 /// Values over (t, ρ), bilinear between `C` × `R` nodes.
 #[derive(Clone, Debug)]
@@ -56,50 +46,18 @@ impl<const C: usize, const R: usize> TableGrid<C, R> {
 
     /// The value at a cosine and a roughness that is not a mirror's.
     pub(super) fn eval(&self, mu: f32, roughness: f32) -> f32 {
-        let root = mu.sqrt();
-        let t = root * (1.0 + roughness) / (root + roughness);
-        let (column, s) = split(t * (C - 1) as f32, C);
-        let (row, r) = Self::row_position(roughness);
-        let [a, b] = [&self.values[row], &self.values[row + 1]];
-        let low = mix(a[column], a[column + 1], s);
-        let high = mix(b[column], b[column + 1], s);
-        mix(low, high, r)
+        grid_value(self.values(), C as u32, R as u32, mu, roughness)
     }
 
     /// All values, row by row.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f32> {
-        self.values.as_flattened().iter().copied()
+    pub(super) fn values(&self) -> &[f32] {
+        self.values.as_flattened()
     }
 
     /// Roughness of a row.
     pub(super) fn row_roughness(row: usize) -> f32 {
         SMOOTHEST + (1.0 - SMOOTHEST) * row as f32 / (R - 1) as f32
     }
-
-    /// Row below a roughness and the place between it and the next.
-    pub(super) fn row_position(roughness: f32) -> (usize, f32) {
-        split((roughness - SMOOTHEST) * ((R - 1) as f32 / (1.0 - SMOOTHEST)), R)
-    }
-}
-
-/// Cell and place in it of a coordinate in nodes.
-pub(super) fn split(x: f32, nodes: usize) -> (usize, f32) {
-    let cell = (x as usize).min(nodes - 2);
-    (cell, (x - cell as f32).clamp(0.0, 1.0))
-}
-
-/// Linear interpolation.
-pub(super) fn mix(a: f32, b: f32, x: f32) -> f32 {
-    a + (b - a) * x
-}
-
-/// Rows of averages around a roughness: the mirror stands alone.
-pub(super) fn average_position(roughness: f32) -> (usize, usize, f32) {
-    if Ggx::from_roughness(roughness).is_smooth() {
-        return (0, 0, 0.0);
-    }
-    let (row, r) = FineGrid::row_position(roughness);
-    (row + 1, row + 2, r)
 }
 
 /// Roughness that a row of averages stands for.
@@ -203,22 +161,17 @@ impl ReflectanceTable {
 
     /// Fraction of the light to or from a direction with cosine `mu` that is reflected.
     pub fn eval(&self, mu: f32, roughness: f32) -> f32 {
-        let fresnel = fresnel_dielectric(mu, self.eta);
-        if Ggx::from_roughness(roughness).is_smooth() {
-            return fresnel;
-        }
-        (fresnel + self.excess.eval(mu, roughness)).clamp(0.0, 1.0)
+        reflectance_at(self.excess.values(), self.eta, mu, roughness)
     }
 
     /// The table, then the averages.
     pub(super) fn numbers(&self) -> Vec<f32> {
-        self.excess.numbers().chain(self.average).collect()
+        [self.excess.values(), &self.average].concat()
     }
 
     /// 2 ∫ E(μ) μ dμ.
     pub fn average(&self, roughness: f32) -> f32 {
-        let (low, high, r) = average_position(roughness);
-        mix(self.average[low], self.average[high], r)
+        average_at(&self.average, roughness)
     }
 }
 
@@ -250,21 +203,17 @@ impl MetalTable {
 
     /// 1 − E(μ) of a white metal; 0 for a mirror.
     pub fn deficit(&self, mu: f32, roughness: f32) -> f32 {
-        if Ggx::from_roughness(roughness).is_smooth() {
-            return 0.0;
-        }
-        self.deficit.eval(mu, roughness).clamp(0.0, 1.0)
+        deficit_at(self.deficit.values(), mu, roughness)
     }
 
     /// The table, then the averages.
     pub(super) fn numbers(&self) -> Vec<f32> {
-        self.deficit.numbers().chain(self.average).collect()
+        [self.deficit.values(), &self.average].concat()
     }
 
     /// 2 ∫ (1 − E(μ)) μ dμ.
     pub fn average_deficit(&self, roughness: f32) -> f32 {
-        let (low, high, r) = average_position(roughness);
-        mix(self.average[low], self.average[high], r)
+        average_at(&self.average, roughness)
     }
 }
 

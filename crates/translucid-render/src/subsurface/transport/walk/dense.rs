@@ -21,12 +21,12 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
+use translucid_law::HenyeyGreenstein;
 use translucid_profile::scaling_from_mfp_diffuse;
 use translucid_profile::split_mix::split_mix;
 use translucid_scene::WalkSurface;
 
 use super::clear::is_last;
-use super::phase_function::HenyeyGreenstein;
 use crate::ray::Body;
 use crate::sampling::{Frame, Sampler};
 use crate::subsurface::entry_point::EntryPoint;

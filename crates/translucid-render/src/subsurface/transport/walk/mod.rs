@@ -29,7 +29,6 @@ mod diffuse;
 mod exit_plane;
 mod flight;
 mod flight_kernel;
-mod phase_function;
 mod random;
 mod refracted;
 mod shared;

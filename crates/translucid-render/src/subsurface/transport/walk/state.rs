@@ -1,11 +1,11 @@
 //! A walk under way: from flight to flight through the volume.
 
 use glam::Vec3;
+use translucid_law::HenyeyGreenstein;
 
 use super::among_shells::AmongShells;
 use super::common_medium::Media;
 use super::flight::Flights;
-use super::phase_function::HenyeyGreenstein;
 use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::subsurface::exit_point::ExitPoint;

@@ -6,10 +6,10 @@
 //! [Kutz et al. 2017, "Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes"].
 
 use glam::Vec3;
+use translucid_law::HenyeyGreenstein;
 
 use super::among_shells::AmongShells;
 use super::flight::Flights;
-use super::phase_function::HenyeyGreenstein;
 use super::random::WalkRandom;
 use super::state::Walk;
 use crate::ray::{FlightEnd, Hit};
