@@ -42,8 +42,9 @@ def override():
 
 
 def shown():
+    """The viewport that was drawn last: one that Blender has dropped may live on for a while."""
     found = [viewport for viewport in viewport_module._shown if viewport._view is not None or viewport._task is not None]
-    return found[-1] if found else None
+    return min(found, key=lambda viewport: viewport.calls, default=None)
 
 
 def is_settled():

@@ -48,6 +48,8 @@ def apply_preset(node, preset, unit_scale):
         "Subsurface Anisotropy": 0.0,
         "Roughness": preset.roughness,
         "IOR": preset.eta,
+        "Coat Weight": preset.coat,
+        "Coat Roughness": preset.coat_roughness,
     }
     for name, value in values.items():
         node.inputs[name].default_value = value

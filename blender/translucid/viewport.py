@@ -27,6 +27,9 @@ _FRAME, _FEWEST = 1 / 30, 128
 # Seconds between two looks at what is rendered.
 _TICK = 1 / 30
 
+# How often a viewport that is not drawn is asked for again: one that Blender has dropped must not have it draw for ever.
+_CALLS = 90
+
 # Seconds that an edit may keep Blender waiting, so that small ones show at once.
 _PATIENCE = 0.03
 
@@ -49,6 +52,8 @@ class Viewport:
         self._seconds_per_pixel = 2e-6
         self._texture, self._drawn = None, None
         self._report = Report()
+        # How often it was asked for since it was drawn.
+        self.calls = 0
         # When the view or the scene last changed, and when a picture of it was first drawn.
         self.changed_at = self.answered_at = None
         _shown.add(self)
@@ -129,6 +134,7 @@ class Viewport:
     # --- the view
 
     def draw(self, engine, context, depsgraph):
+        self.calls = 0
         if self._task is not None and self._task.is_done:
             self._arrive()
         view = self._view_of(context)
@@ -240,7 +246,10 @@ def watch():
 def _tick():
     if not _shown:
         return None
-    if any(viewport.is_at_work for viewport in _shown):
+    waiting = [viewport for viewport in _shown if viewport.calls < _CALLS and viewport.is_at_work]
+    for viewport in waiting:
+        viewport.calls += 1
+    if waiting:
         for window in bpy.context.window_manager.windows:
             for area in window.screen.areas:
                 if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":

@@ -234,11 +234,7 @@ fn material(arguments: &ExportArguments) -> Result<Option<Material>, Failure> {
     if let Some(name) = &arguments.preset {
         let preset = preset(name)?;
         let millimeters = Unit::from(arguments.unit).in_millimeters();
-        return Ok(Some(Material {
-            surface_albedo: preset.surface_albedo(),
-            length: preset.mfp_in_millimeters().map(|mfp| mfp / millimeters),
-            parameterization: Parameterization::Mfp,
-        }));
+        return Ok(Some(Material::of_preset(preset, millimeters)));
     }
     if arguments.surface_albedo.is_empty() {
         return Ok(None);
@@ -256,6 +252,7 @@ fn material(arguments: &ExportArguments) -> Result<Option<Material>, Failure> {
         surface_albedo: of_channels("--surface-albedo", &arguments.surface_albedo)?,
         length: of_channels(option, lengths)?,
         parameterization,
+        surface: None,
     }))
 }
 

@@ -39,6 +39,7 @@ const MATERIAL: Material = Material {
     surface_albedo: [0.95, 0.6, 0.05],
     length: [2.0, 0.3, 1e-3],
     parameterization: Parameterization::Mfp,
+    surface: None,
 };
 /// Largest error of the inversion's polynomial, of the surface albedo.
 const INVERSION: f64 = 4e-4;
@@ -140,7 +141,7 @@ struct Doubles {
 
 impl Doubles {
     fn new(configuration: Configuration) -> Result<Self, Box<dyn Error>> {
-        let Material { surface_albedo, length, parameterization } = MATERIAL;
+        let Material { surface_albedo, length, parameterization, .. } = MATERIAL;
         let fitted = |c: usize| {
             let (surface_albedo, length) = (surface_albedo[c], length[c]);
             let appearance = Appearance { surface_albedo, length, parameterization, g: 0.0 };

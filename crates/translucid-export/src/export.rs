@@ -245,7 +245,7 @@ impl Export<'_> {
         let mut text = String::new();
         for model in self.summed() {
             let sum = match (model, self.material) {
-                (Model::Gaussians, Some(Material { surface_albedo, length, parameterization })) => {
+                (Model::Gaussians, Some(Material { surface_albedo, length, parameterization, .. })) => {
                     let terms = SumOfGaussians::DEFAULT_TERMS;
                     let sum = |c: usize| {
                         let (albedo, length) = (surface_albedo[c], length[c]);
@@ -266,7 +266,7 @@ impl Export<'_> {
         if self.subjects.contains(&Subject::Fresnel) && self.eta != 1.0 {
             text += &header::moments(self.eta);
         }
-        let Some(Material { surface_albedo, length, parameterization }) = self.material else {
+        let Some(Material { surface_albedo, length, parameterization, .. }) = self.material else {
             return Ok(text);
         };
         for (channel, (a, l)) in
@@ -324,7 +324,7 @@ impl Export<'_> {
 
     /// Profiles of red, green, blue.
     fn profiles(&self, model: Model) -> Result<[Box<dyn Profile>; 3], ExportError> {
-        let Some(Material { surface_albedo, length, parameterization }) = self.material else {
+        let Some(Material { surface_albedo, length, parameterization, .. }) = self.material else {
             return Err(ExportError::new("what", "a table", "of a material"));
         };
         let profile = |c: usize| {
@@ -377,6 +377,7 @@ mod tests {
             surface_albedo: [0.9, 0.5, 0.1],
             length: [2.0, 0.3, 1e-3],
             parameterization: Parameterization::Mfp,
+            surface: None,
         };
         let subjects: Vec<Subject> =
             Subject::ALL.into_iter().filter(|s| s.goes_to(Target::MaterialX)).collect();

@@ -68,7 +68,7 @@ pub use formula::directional_formulas;
 pub use function::{Function, functions};
 pub use image_format::ImageFormat;
 pub use language::Language;
-pub use material::Material;
+pub use material::{Material, Surface};
 pub use subject::Subject;
 pub use sum::exponentials;
 pub use target::Target;

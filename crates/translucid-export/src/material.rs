@@ -1,6 +1,7 @@
 //! A material whose numbers become constants, tables or sums.
 
 use translucid_profile::Parameterization;
+use translucid_profile::convention::Preset;
 
 /// Parameters of a material for red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,4 +12,41 @@ pub struct Material {
     pub length: [f64; 3],
     /// Which of the two they are.
     pub parameterization: Parameterization,
+    /// What is above and beside the profile, where that is known: for whole materials only.
+    pub surface: Option<Surface>,
+}
+
+/// The surface of a material, and whether it is clear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Index of refraction.
+    pub ior: f64,
+    /// Perceptual roughness, in [0, 1].
+    pub roughness: f64,
+    /// Weight and perceptual roughness of the clear coat, in [0, 1].
+    pub coat: [f64; 2],
+    /// Absorption for red, green, blue \[1/L\] of what is clear and scatters hardly any light.
+    pub clear_absorption: Option<[f64; 3]>,
+}
+
+impl Material {
+    /// The material of a preset, its lengths in a unit of so many millimeters.
+    pub fn of_preset(preset: &Preset, millimeters: f64) -> Self {
+        Self {
+            surface_albedo: preset.surface_albedo(),
+            length: preset.mfp_in_millimeters().map(|mfp| mfp / millimeters),
+            parameterization: Parameterization::Mfp,
+            surface: Some(Surface {
+                ior: decimal(preset.eta),
+                roughness: decimal(preset.roughness),
+                coat: preset.coat.map(decimal),
+                clear_absorption: preset.clear_absorption().map(|of| of.map(|a| a * millimeters)),
+            }),
+        }
+    }
+}
+
+/// The number that is written like one in single precision.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }

@@ -6,7 +6,7 @@ use translucid_profile::{Configuration, RefinedDiffusion};
 
 use crate::error::ExportError;
 use crate::function::Function;
-use crate::material::Material;
+use crate::material::{Material, Surface};
 use crate::node_graph::{NodeGraph, Operand};
 use crate::number::literal;
 use crate::symbolic::{Source, Unknown, Value, field, number};
@@ -90,23 +90,41 @@ fn comment_of(formulas: &str, name: &str) -> String {
 
 /// A material, as OpenPBR Surface has it.
 pub(crate) fn material(material: &Material, configuration: Configuration) -> Result<String, ExportError> {
-    let Material { surface_albedo, length, parameterization } = material;
+    let Material { surface_albedo, length, parameterization, surface } = material;
     let mut mfp = [0.0; 3];
     for c in 0..3 {
         mfp[c] = RefinedDiffusion::new(surface_albedo[c], length[c], *parameterization, configuration)?.mfp();
     }
     let radius = mfp.into_iter().fold(0.0, f64::max);
     let three = |numbers: [f64; 3]| numbers.map(literal).join(", ");
-    let inputs = [
-        ("subsurface_weight", "float", literal(1.0)),
+    let clear = surface.and_then(|surface| surface.clear_absorption);
+    let mut inputs = Vec::new();
+    if let Some(Surface { ior, roughness, coat: [coat, coat_roughness], .. }) = *surface {
+        inputs.push(("specular_ior", "float", literal(ior)));
+        inputs.push(("specular_roughness", "float", literal(if clear.is_some() { 0.0 } else { roughness })));
+        if coat > 0.0 {
+            inputs.push(("coat_weight", "float", literal(coat)));
+            inputs.push(("coat_roughness", "float", literal(coat_roughness)));
+        }
+    }
+    if let Some(absorption) = clear {
+        // About e^−1 is left there
+        let depth = 3.0 / absorption.iter().sum::<f64>();
+        inputs.push(("transmission_weight", "float", literal(1.0)));
+        inputs.push(("transmission_color", "color3", three(absorption.map(|a| (-a * depth).exp()))));
+        inputs.push(("transmission_depth", "float", literal(depth)));
+    }
+    inputs.extend([
+        ("subsurface_weight", "float", literal(if clear.is_some() { 0.0 } else { 1.0 })),
         ("subsurface_color", "color3", three(*surface_albedo)),
         ("subsurface_radius", "float", literal(radius)),
         ("subsurface_radius_scale", "color3", three(mfp.map(|mfp| mfp / radius))),
         ("subsurface_scatter_anisotropy", "float", literal(0.0)),
-    ];
-    let inputs = inputs.map(|(name, kind, value)| {
+    ]);
+    let inputs = inputs.into_iter().map(|(name, kind, value)| {
         format!("    <input name=\"{name}\" type=\"{kind}\" value=\"{value}\" />\n")
     });
+    let inputs: String = inputs.collect();
     Ok(format!(
         "  <open_pbr_surface name=\"translucid_surface\" type=\"surfaceshader\">
 {}  </open_pbr_surface>
@@ -114,6 +132,6 @@ pub(crate) fn material(material: &Material, configuration: Configuration) -> Res
     <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"translucid_surface\" />
   </surfacematerial>
 ",
-        inputs.concat()
+        inputs
     ))
 }

@@ -107,7 +107,7 @@ impl Slabs {
         configuration: Configuration,
         [g, eta]: [f64; 2],
     ) -> Result<Self, ParameterError> {
-        let Material { surface_albedo, length, parameterization } = *material;
+        let Material { surface_albedo, length, parameterization, .. } = *material;
         let inversion = AlbedoInversion::new(g, eta, configuration)?;
         let medium = |c: usize| {
             let alpha = inversion.single_scattering_albedo(surface_albedo[c]);
@@ -153,6 +153,7 @@ mod tests {
         surface_albedo: [1.0, 0.8, 0.0],
         length: [1.0; 3],
         parameterization: Parameterization::Mfp,
+        surface: None,
     };
 
     fn table(columns: usize, most: Option<f64>) -> TransmittanceTable {

@@ -4,11 +4,12 @@ use std::io;
 
 use crate::Picture;
 
-/// Share of the picture that is darker than what the meter looks at: bright, but no highlight.
-const PERCENTILE: f64 = 0.9;
+/// Share of the picture that is darker than what the meter looks at: bright, but no highlight. With less, the backdrop decides
+/// and a white bust in front of it has no shades left; chosen by eye.
+const PERCENTILE: f64 = 0.97;
 
 /// Value to which the meter exposes the luminance at the percentile: the brightest tone that curves leave about as it is.
-const TARGET: f64 = 0.7;
+const TARGET: f64 = 0.8;
 
 /// Bins of luminance to the stop.
 const BINS_PER_STOP: f64 = 64.0;
@@ -17,7 +18,7 @@ const BINS_PER_STOP: f64 = 64.0;
 const LIMIT: f64 = 32.0;
 
 impl Picture<'_> {
-    /// Exposure in tenths of a stop, within ±32, that brings the 90th percentile of the luminance to 0.7.
+    /// Exposure in tenths of a stop, within ±32, that brings the 97th percentile of the luminance to 0.8.
     ///
     /// Pixels count that something covers by half at least; `R`, `G` and `B` are divided by the coverage `A`, where there is
     /// one. What is black or not finite does not count, and a picture without anything else stays as it is.
@@ -26,7 +27,7 @@ impl Picture<'_> {
     /// use translucid_image::{Picture, PictureChannel};
     ///
     /// let channels = ["R", "G", "B"].map(PictureChannel::single);
-    /// let dark = Picture::new([8, 8], channels.to_vec(), |_, values| values.fill(0.7 / 32.0));
+    /// let dark = Picture::new([8, 8], channels.to_vec(), |_, values| values.fill(0.8 / 32.0));
     /// assert_eq!(dark.metered_exposure()?, 5.0);
     /// # Ok::<(), std::io::Error>(())
     /// ```
@@ -100,16 +101,16 @@ mod tests {
 
     #[test]
     fn meter_takes_neither_highlights_nor_what_is_not_there() {
-        let mut pixels = vec![[0.7, 0.7, 0.7, 1.0]; 100];
+        let mut pixels = vec![[0.8, 0.8, 0.8, 1.0]; 100];
         assert_eq!(metered(&pixels), 0.0);
-        pixels[..9].fill([1e4, 1e4, 1e4, 1.0]);
-        assert_eq!(metered(&pixels), 0.0, "nine highlights of a hundred");
+        pixels[..2].fill([1e4, 1e4, 1e4, 1.0]);
+        assert_eq!(metered(&pixels), 0.0, "two highlights of a hundred");
         pixels.extend([[0.0, 0.0, 0.0, 0.0]; 1000]);
         pixels.extend([[9.0, 9.0, 9.0, 0.4]; 1000]);
         pixels.extend([[f64::NAN; 4], [f64::INFINITY, 1.0, 1.0, 1.0], [-1.0, -1.0, -1.0, 1.0]]);
         assert_eq!(metered(&pixels), 0.0);
-        // Half covered by light of 0.7.
-        pixels.extend([[0.35, 0.35, 0.35, 0.5]; 3000]);
+        // Half covered by light of 0.8.
+        pixels.extend([[0.4, 0.4, 0.4, 0.5]; 3000]);
         assert_eq!(metered(&pixels), 0.0);
         for nothing in [[0.0; 4], [f64::NAN; 4], [1.0, 1.0, 1.0, 0.0]] {
             assert_eq!(metered(&[nothing; 9]), 0.0);

@@ -130,6 +130,24 @@ impl Preset {
         decimal(self.0.roughness)
     }
 
+    /// Weight of a clear coat, in [0, 1], by eye.
+    #[getter]
+    fn coat(&self) -> f64 {
+        decimal(self.0.coat[0])
+    }
+
+    /// Perceptual roughness of the coat, by eye.
+    #[getter]
+    fn coat_roughness(&self) -> f64 {
+        decimal(self.0.coat[1])
+    }
+
+    /// What kind of thing it is, such as stone or food.
+    #[getter]
+    fn group(&self) -> &'static str {
+        self.0.group.name()
+    }
+
     fn __repr__(&self) -> String {
         format!("<Preset {:?}, {}>", self.0.name, self.0.source)
     }

@@ -12,6 +12,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use translucid_profile::convention::{PresetGroup, presets};
 use translucid_scene::description::{Fallback, Field, Key, SceneSlot, Slot, Thing};
 use translucid_scene::{
     Camera, Environment, Film, Integrator, Light, Material, Object, SubsurfaceLayer, SubsurfaceModel,
@@ -63,9 +64,43 @@ fn pages() -> Result<Vec<(PathBuf, String, String)>, String> {
             &format!("\n{table}\n"),
         )?;
     }
+    let (page, page_before) = read("docs/guide/presets.md")?;
+    let mut page_after = page_before.clone();
+    for group in PresetGroup::ALL {
+        let word = group.name().split(' ').next().unwrap_or_default();
+        page_after = replaced(
+            &page_after,
+            &format!("<!-- presets: {word} -->\n"),
+            "<!-- end of presets -->",
+            &format!("\n{}\n", preset_table(group)),
+        )?;
+    }
     let (stub, stub_before) = read("python/translucid/__init__.pyi")?;
     let stub_after = replaced(&stub_before, "# keys\n", "# end of keys\n", &arguments())?;
-    Ok(vec![(guide, before, after), (stub, stub_before, stub_after)])
+    Ok(vec![(guide, before, after), (page, page_before, page_after), (stub, stub_before, stub_after)])
+}
+
+/// A Markdown table of the presets of a group.
+fn preset_table(group: PresetGroup) -> String {
+    let mut table = String::from(
+        "| name | A | ℓ [mm] | index | roughness | coat | source |\n|---|---|---|---|---|---|---|\n",
+    );
+    for preset in presets().iter().filter(|preset| preset.group == group) {
+        let coat = match preset.coat {
+            [0.0, _] => String::from("–"),
+            [weight, roughness] => format!("{weight}, roughness {roughness}"),
+        };
+        let albedo = preset.surface_albedo().map(|a| format!("{a:.3}")).join(" ");
+        let mfp = preset.mfp_in_millimeters().map(|mfp| format!("{mfp:.2}")).join(" ");
+        let clear = if preset.clear_absorption().is_some() { " (clear)" } else { "" };
+        let (name, eta, roughness, source) = (preset.name, preset.eta, preset.roughness, preset.source);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            table,
+            "| `{name}`{clear} | {albedo} | {mfp} | {eta} | {roughness} | {coat} | {source} |"
+        );
+    }
+    table
 }
 
 /// A text with something else between two markers.

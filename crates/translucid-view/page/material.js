@@ -92,8 +92,7 @@ export class MaterialPanel {
         if (text === this.#shown) return;
         this.#shown = text;
         this.#rows.clear();
-        const presets = hello.presets.map(({ name, source }) => make("option", { value: name, title: source }, name));
-        this.#preset.replaceChildren(make("option", { value: "" }, "Preset \u2026"), ...groupBySource(hello.presets, presets));
+        this.#preset.replaceChildren(make("option", { value: "" }, "Preset \u2026"), ...presetGroups(hello.presets));
         const sections = SECTIONS.map(([prefix, title, open]) => {
             const body = make("div", { className: "rows" });
             if (prefix === "subsurface") this.#subsurface(body, hello);
@@ -212,11 +211,18 @@ function markTexture(row, { image, vertex }) {
     row.mark(source ? `\u00d7 ${image ? "image" : "vertex"}` : null, source && `A factor on the ${source}`);
 }
 
-function groupBySource(presets, options) {
+/** Pictures in a row of presets.jpg, which has them in the order of the list. */
+const COLUMNS = 10;
+
+/** Options with pictures, which browsers show that can style a menu. */
+function presetGroups(presets) {
     const groups = new Map();
-    presets.forEach(({ source }, i) => {
-        if (!groups.has(source)) groups.set(source, make("optgroup", { label: capital(source) }));
-        groups.get(source).append(options[i]);
+    presets.forEach(({ name, source, group }, i) => {
+        if (!groups.has(group)) groups.set(group, make("optgroup", { label: capital(group) }));
+        const picture = make("span", { className: "thumbnail" });
+        picture.style.setProperty("--column", i % COLUMNS);
+        picture.style.setProperty("--row", Math.floor(i / COLUMNS));
+        groups.get(group).append(make("option", { value: name, title: source }, picture, name));
     });
     return groups.values();
 }

@@ -183,7 +183,7 @@ pub(crate) fn hello(name: &str, scene: &Scene) -> Value {
         "lights": Light::KINDS.map(kind_of_light),
         "models": SubsurfaceModel::ALL.map(model),
         "words": words,
-        "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source })).collect::<Vec<_>>(),
+        "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source, "group": p.group.name() })).collect::<Vec<_>>(),
         "systems": conversion_system_names(),
         "up": UpAxis::WORDS.map(|(name, _)| name),
         "sides": Edited::ALL.map(Edited::name),

@@ -22,6 +22,7 @@ const PAGE: &str = "text/html; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
+const PHOTO: &str = "image/jpeg";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 page_files! {
@@ -54,6 +55,7 @@ page_files! {
     "pacing.js": SCRIPT,
     "picture.js": SCRIPT,
     "placement.js": SCRIPT,
+    "presets.jpg": PHOTO,
     "probe.js": SCRIPT,
     "profile-panel.js": SCRIPT,
     "render.js": SCRIPT,

@@ -294,6 +294,11 @@ export interface Preset {
     mfp: [number, number, number];
     eta: number;
     roughness: number;
+    /** Weight of a clear coat, in [0, 1]. */
+    coat: number;
+    coatRoughness: number;
+    /** What kind of thing it is, such as stone or food. */
+    group: string;
 }
 
 /** Every preset. */

@@ -89,6 +89,9 @@ fn described(preset: &Preset) -> Value {
         "mfp": preset.mfp_in_millimeters(),
         "eta": decimal(preset.eta),
         "roughness": decimal(preset.roughness),
+        "coat": decimal(preset.coat[0]),
+        "coatRoughness": decimal(preset.coat[1]),
+        "group": preset.group.name(),
     })
 }
 

@@ -99,11 +99,7 @@ fn material(options: &mut Options, say: &mut impl FnMut(&str, &str)) -> Result<O
             say("unit", name);
         }
         let millimeters = unit("unit", unit_name)?.unwrap_or(Unit::Millimeter).in_millimeters();
-        return Ok(Some(Material {
-            surface_albedo: preset.surface_albedo(),
-            length: preset.mfp_in_millimeters().map(|mfp| mfp / millimeters),
-            parameterization: Parameterization::Mfp,
-        }));
+        return Ok(Some(Material::of_preset(preset, millimeters)));
     }
     if unit_name.is_some() {
         return Err(String::from("unit is that of a preset's lengths: it needs a preset"));
@@ -119,6 +115,7 @@ fn material(options: &mut Options, say: &mut impl FnMut(&str, &str)) -> Result<O
         surface_albedo: of_channels("surfaceAlbedo", &albedos, say)?,
         length: of_channels(name, &lengths, say)?,
         parameterization,
+        surface: None,
     }))
 }
 

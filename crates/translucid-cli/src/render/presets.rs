@@ -13,15 +13,33 @@ pub(crate) fn print_presets() -> Result<(), Failure> {
 }
 
 fn table() -> String {
-    let mut text =
-        String::from("name             surface albedo A      mean free path [mm]      index  source\n");
+    let width = presets().iter().map(|preset| preset.name.len()).max().unwrap_or_default();
+    let mut text = format!(
+        "{:width$}  surface albedo A     mean free path [mm]        index  roughness  coat  source\n",
+        "name"
+    );
+    let mut group = None;
     for preset in presets() {
-        let ([a, b, c], [l, m, n]) = (preset.surface_albedo(), preset.mfp_in_millimeters());
         // Writing to a string cannot fail.
+        if group != Some(preset.group) {
+            group = Some(preset.group);
+            let _ = writeln!(text, "\n# {}", preset.group.name());
+        }
+        let numbers = |numbers: [f64; 3], decimals: usize| numbers.map(|x| format!("{x:.decimals$}"));
+        let (albedo, mfp) = (numbers(preset.surface_albedo(), 3), numbers(preset.mfp_in_millimeters(), 2));
+        let [coat, _] = preset.coat;
         let _ = writeln!(
             text,
-            "{:<15}  {:.3} {:.3} {:.3}  {:>7.4} {:>7.4} {:>7.4}  {:<5}  {}",
-            preset.name, a, b, c, l, m, n, preset.eta, preset.source
+            "{:width$}  {}  {:>8} {:>8} {:>8}  {:<5}  {:<9}  {:<4}  {}",
+            preset.name,
+            albedo.join(" "),
+            mfp[0],
+            mfp[1],
+            mfp[2],
+            preset.eta,
+            preset.roughness,
+            coat,
+            preset.source
         );
     }
     text

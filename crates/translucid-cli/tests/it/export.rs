@@ -112,6 +112,18 @@ fn materialx_has_nodes_and_materials() {
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
+    let text = stdout(&here(), "export --to materialx --what material --preset porcelain --unit cm");
+    for part in [
+        "<input name=\"specular_ior\" type=\"float\" value=\"1.55\" />",
+        "<input name=\"specular_roughness\" type=\"float\" value=\"0.3\" />",
+        "<input name=\"coat_roughness\" type=\"float\" value=\"0.03\" />",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!text.contains("transmission_weight"), "{text}");
+    let clear = stdout(&here(), "export --to materialx --what material --preset merlot --unit cm");
+    assert!(clear.contains("<input name=\"transmission_weight\" type=\"float\" value=\"1.0\" />"), "{clear}");
+    assert!(clear.contains("<input name=\"subsurface_weight\" type=\"float\" value=\"0.0\" />"), "{clear}");
     // Two hyphens end a comment in XML
     let comment = text.split("<!--").nth(1).and_then(|rest| rest.split("-->").next()).unwrap();
     assert!(!comment.contains("--"), "{comment}");

@@ -81,7 +81,7 @@ pub use cycles_walk::CyclesWalk;
 pub use mixed_texels::TexelMixer;
 pub use mixture::MixedChannel;
 pub use parameter::{Parameter, Role};
-pub use preset::{Preset, preset, presets};
+pub use preset::{Preset, PresetGroup, preset, presets};
 pub use primaries::{LINEAR_SPACES, rgb_from_rgb};
 pub use system::{Equal, Source, System, Written};
 pub use unit::Unit;

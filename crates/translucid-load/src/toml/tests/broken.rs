@@ -266,7 +266,7 @@ fn broken_material_names_suggest_the_nearest() {
     let text = format!("unit = \"mm\"\n{BALL}[[material]]\nname = \"m\"\npreset = \"skim1\"\n");
     let error = parse(&text).unwrap_err();
     assert_eq!(error.message, "there is no preset \"skim1\"");
-    assert!(error.help.unwrap().starts_with("did you mean \"skin1\"? the presets are apple, "));
+    assert!(error.help.unwrap().starts_with("did you mean \"skin1\"? the presets are alabaster, "));
     let (excerpt, span) = error.place.unwrap().excerpt.unwrap();
     assert_eq!(&excerpt[span], "\"skim1\"");
 }

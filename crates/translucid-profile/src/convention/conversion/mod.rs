@@ -95,7 +95,7 @@ pub struct Converted {
     /// The numbers, system by system, the surface albedo first; behind them, under "color space", the shares of the light that
     /// a change of color space leaves at another radius.
     pub numbers: Vec<ConvertedNumber>,
-    /// Systems without numbers, and systems that will not use theirs as they are.
+    /// Systems without numbers, systems that will not use theirs as they are, and what was taken for granted.
     pub notes: Vec<String>,
 }
 
@@ -132,7 +132,19 @@ impl Conversion<'_> {
             }
         }
         converted.numbers.extend(shares);
+        converted.notes.extend(self.assumed_unit_length());
         Ok(converted)
+    }
+
+    /// RenderMan's factor, which is easily taken for a unit of its own: what it is taken to be where nobody says.
+    fn assumed_unit_length(&self) -> Option<String> {
+        let names = |parameter: &str| {
+            self.from.iter().any(|setting| setting.system == "renderman" && setting.names(parameter))
+        };
+        let unit = self.unit.name();
+        (names("dmfp") && !names("unitLength")).then(|| {
+            format!("renderman:unitLength is taken to be 0.1, and a scene unit to be 1 {unit}: a dmfp of 1 is 0.1 {unit}")
+        })
     }
 
     /// The material's channels, one or three, in the color space that it goes to, with lengths in the unit of the scene that it
