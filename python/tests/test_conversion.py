@@ -205,11 +205,12 @@ def test_mistakes_of_cycles_materials_are_named(words, message):
 
 
 def test_presets_are_materials():
-    assert len(presets) == 65 and "skin1" in presets and "nothing" not in presets and 3 not in presets
+    assert len(presets) == 70 and "skin1" in presets and "nothing" not in presets and 3 not in presets
     skin = presets["Skin 1"]
     assert np.allclose(skin.mfp, [1.2953, 0.9524, 0.6711], atol=1e-4) and skin.eta == 1.3
-    assert list(presets)[0] == "apple" and presets["apple"].roughness == 0.25
-    assert "Jensen" in skin.source
+    assert list(presets)[0] == "alabaster" and presets["apple"].roughness == 0.25
+    assert "Jensen" in skin.source and skin.group == "skin" and skin.coat == 0
+    assert (presets["porcelain"].coat, presets["porcelain"].coat_roughness) == (1.0, 0.03)
     for preset in presets.values():
         profile = Profile(surface_albedo=preset.surface_albedo, mfp=preset.mfp)
         assert np.isfinite(profile.eval(1.0)).all() and profile.shape == (3,)

@@ -20,7 +20,7 @@ class Presets(Mapping):
     --------
     >>> import translucid
     >>> len(translucid.presets)
-    65
+    70
     >>> translucid.presets["Whole Milk"].name
     'wholemilk'
     >>> milk = translucid.presets["wholemilk"]

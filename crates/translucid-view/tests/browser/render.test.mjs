@@ -115,7 +115,7 @@ test("pause stops, and going on finishes the same picture", async () => {
 
 test("noise is taken out of what is shown alone, not in comparisons, and not where that is switched off", async () => {
     // So large that a picture stays far below the samples that need no smoothing
-    await view.choose("film-presets", "1920x1080");
+    await view.choose("film-presets", "960x540");
     await view.type("integrator-samples_per_pixel", 4096);
     await view.page.waitForFunction(() => window.translucidView.lastFrame.samples >= 1 && window.translucidView.lastFrame.edge === 1);
     await view.page.waitForFunction(() => /^shown (denoised|smoothed)$/.test(document.getElementById("detail").textContent));
