@@ -16,9 +16,7 @@ pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     match read {
         Ok(count) if count as u64 > most => Err(format!("has more than {most} bytes, which are not read")),
         Ok(_) => Ok(bytes),
-        Err(error) => {
-            Err(format!("cannot be read: {error}{}", meant(path)))
-        }
+        Err(error) => Err(format!("cannot be read: {error}{}", meant(path))),
     }
 }
 

@@ -127,11 +127,10 @@ pub(crate) fn material(material: &Material, configuration: Configuration) -> Res
     let inputs: String = inputs.collect();
     Ok(format!(
         "  <open_pbr_surface name=\"translucid_surface\" type=\"surfaceshader\">
-{}  </open_pbr_surface>
+{inputs}  </open_pbr_surface>
   <surfacematerial name=\"translucid_material\" type=\"material\">
     <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"translucid_surface\" />
   </surfacematerial>
-",
-        inputs
+"
     ))
 }

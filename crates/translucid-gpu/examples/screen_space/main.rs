@@ -132,7 +132,12 @@ fn exported_disk((surface_albedo, mfp): ([f64; 3], [f64; 3]), taps: usize) -> Re
         target: Target::Text(Language::Wgsl),
         subjects: &[Subject::Disk],
         models: &[Model::NormalizedDiffusionRefined],
-        material: Some(Material { surface_albedo, length: mfp, parameterization: Parameterization::Mfp }),
+        material: Some(Material {
+            surface_albedo,
+            length: mfp,
+            parameterization: Parameterization::Mfp,
+            surface: None,
+        }),
         configuration: Configuration::Diffuse,
         g: 0.0,
         eta: 1.0,

@@ -34,7 +34,7 @@ impl Material {
             specular_roughness: ScalarInput::constant(if clear.is_some() { 0.0 } else { preset.roughness }),
             transmission_weight: ScalarInput::constant(is_clear),
             transmission_color: clear.map_or(ColorInput::constant(Vec3::ONE), |absorption| {
-                ColorInput::constant(DVec3::from(absorption.map(|a| (-a * CLEAR_DEPTH).exp())).as_vec3())
+                ColorInput::constant(DVec3::from(absorption.map(|a| libm::exp(-a * CLEAR_DEPTH))).as_vec3())
             }),
             transmission_depth: if clear.is_some() {
                 (CLEAR_DEPTH / unit.in_millimeters()) as f32
