@@ -216,7 +216,7 @@ def test_presets_are_materials():
         assert np.isfinite(profile.eval(1.0)).all() and profile.shape == (3,)
     for error in (KeyError, ValueError):
         with pytest.raises(error, match='did you mean "skin1"'):
-            presets["skinl"]
+            presets["skinn1"]
     with pytest.raises(TypeError):
         presets[1]
     assert translucid.presets is presets and "apple" in repr(presets)
