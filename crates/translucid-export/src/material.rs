@@ -12,7 +12,7 @@ pub struct Material {
     pub length: [f64; 3],
     /// Which of the two they are.
     pub parameterization: Parameterization,
-    /// What is above and beside the profile, where that is known: for whole materials only.
+    /// The surface, where it is known; only exports of whole materials use it.
     pub surface: Option<Surface>,
 }
 

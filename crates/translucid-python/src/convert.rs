@@ -142,7 +142,7 @@ impl Preset {
         decimal(self.0.coat[1])
     }
 
-    /// What kind of thing it is, such as stone or food.
+    /// Kind of substance, such as stone or food.
     #[getter]
     fn group(&self) -> &'static str {
         self.0.group.name()

@@ -297,7 +297,7 @@ export interface Preset {
     /** Weight of a clear coat, in [0, 1]. */
     coat: number;
     coatRoughness: number;
-    /** What kind of thing it is, such as stone or food. */
+    /** Kind of substance, such as stone or food. */
     group: string;
 }
 

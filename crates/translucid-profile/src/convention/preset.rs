@@ -32,7 +32,7 @@ pub struct Preset {
     pub roughness: f32,
     /// Weight and perceptual roughness of a clear coat, such as a glaze or a natural wax; by eye. A weight of 0 is no coat.
     pub coat: [f32; 2],
-    /// What kind of thing it is.
+    /// Kind of substance, by which lists are sorted.
     pub group: PresetGroup,
     numbers: PresetNumbers,
 }

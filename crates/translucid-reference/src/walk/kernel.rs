@@ -57,7 +57,7 @@ pub(crate) struct Setup<'a> {
     pub(crate) first: usize,
 }
 
-/// What becomes of photons. Masks have a bit for each lane.
+/// Fates of photons: masks with a bit for each lane.
 pub(crate) trait Tally {
     /// True where every collision changes photons, and there may be several layers; otherwise there is one, whose mean free
     /// path is the unit of length and whose faces are alike, and only `left` counts.

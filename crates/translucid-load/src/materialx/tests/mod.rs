@@ -382,7 +382,8 @@ fn inputs_of(text: &str) -> String {
     }
 }
 
-/// What cannot be translated: the input, more elements, and what the only warning says after the place "shop/a.mtlx:3: ".
+/// Inputs that cannot be translated, each with more elements and with the words of its only warning behind the place
+/// "shop/a.mtlx:3: ".
 const UNTRANSLATED: &str = r#"
     fuzz_weight float 0.5 | | fuzz_weight has no counterpart here: left out
     <input name="geometry_thin_walled" type="boolean"/> | | geometry_thin_walled keeps its default: it has no value of its own

@@ -136,7 +136,7 @@ impl Conversion<'_> {
         Ok(converted)
     }
 
-    /// RenderMan's factor, which is easily taken for a unit of its own: what it is taken to be where nobody says.
+    /// The note on RenderMan's `unitLength` where nobody sets it, for that is easily taken for a unit of its own.
     fn assumed_unit_length(&self) -> Option<String> {
         let names = |parameter: &str| {
             self.from.iter().any(|setting| setting.system == "renderman" && setting.names(parameter))

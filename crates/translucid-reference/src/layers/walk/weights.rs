@@ -66,7 +66,7 @@ struct Weights<'a> {
     setup: &'a Setup,
     /// Sums by quantity.
     sums: Vec<f64>,
-    /// What the lanes of each layer absorbed.
+    /// Weight that each layer absorbed, lane by lane.
     absorbed: Vec<[f64; LANES]>,
     many: Option<ManyWeights<'a>>,
 }
