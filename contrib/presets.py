@@ -35,7 +35,8 @@ def groups():
     return found
 
 
-def picture(name, unit):
+def picture(name, group):
+    unit = "mm" if group == "drinks" else "cm"
     path = RENDERED / f"{name}.png"
     if not path.exists():
         RENDERED.mkdir(parents=True, exist_ok=True)
@@ -62,17 +63,17 @@ def main():
     SHEETS.mkdir(parents=True, exist_ok=True)
     for group, names in of_group.items():
         if not sys.argv[1:] or group in sys.argv[1:]:
-            named = [(name, picture(name, "mm" if group == "drinks" else "cm")) for name in names]
+            named = [(name, picture(name, group)) for name in names]
             sheet(named).save(SHEETS / f"{group}.jpg", quality=90, optimize=True)
     if sys.argv[1:]:
         return
-    all_names = [(name, "mm" if group == "drinks" else "cm") for group, names in of_group.items() for name in names]
+    all_names = [(name, group) for group, names in of_group.items() for name in names]
     menu = Image.new("RGB", (SMALL * MENU_COLUMNS, SMALL * -(-len(all_names) // MENU_COLUMNS)))
-    for i, (name, unit) in enumerate(all_names):
+    for i, (name, group) in enumerate(all_names):
         # Head and shoulders
         side = SIZE * 0.62
         left, top = (SIZE - side) / 2, SIZE * 0.03
-        small = picture(name, unit).resize((SMALL, SMALL), Image.LANCZOS, (left, top, left + side, top + side))
+        small = picture(name, group).resize((SMALL, SMALL), Image.LANCZOS, (left, top, left + side, top + side))
         menu.paste(small, (SMALL * (i % MENU_COLUMNS), SMALL * (i // MENU_COLUMNS)))
     menu.save(MENU, quality=82, optimize=True)
 

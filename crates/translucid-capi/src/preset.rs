@@ -43,14 +43,9 @@ pub unsafe extern "C" fn translucid_preset(
         slot.put(TranslucidPreset {
             surface_albedo: found.surface_albedo(),
             mfp: found.mfp_in_millimeters(),
-            eta: decimal(found.eta),
-            roughness: decimal(found.roughness),
+            eta: found.eta,
+            roughness: found.roughness,
         });
         Ok(())
     })
-}
-
-/// The number that is written like one in single precision.
-fn decimal(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }

@@ -25,8 +25,8 @@ pub struct Surface {
     pub roughness: f64,
     /// Weight and perceptual roughness of the clear coat, in [0, 1].
     pub coat: [f64; 2],
-    /// Absorption for red, green, blue \[1/L\] of what is clear and scatters hardly any light.
-    pub clear_absorption: Option<[f64; 3]>,
+    /// Color of white light behind a depth of what is clear, and that depth \[L\].
+    pub clear: Option<([f64; 3], f64)>,
 }
 
 impl Material {
@@ -37,16 +37,11 @@ impl Material {
             length: preset.mfp_in_millimeters().map(|mfp| mfp / millimeters),
             parameterization: Parameterization::Mfp,
             surface: Some(Surface {
-                ior: decimal(preset.eta),
-                roughness: decimal(preset.roughness),
-                coat: preset.coat.map(decimal),
-                clear_absorption: preset.clear_absorption().map(|of| of.map(|a| a * millimeters)),
+                ior: preset.eta,
+                roughness: preset.roughness,
+                coat: preset.coat,
+                clear: preset.clear_color().map(|color| (color, Preset::CLEAR_DEPTH / millimeters)),
             }),
         }
     }
-}
-
-/// The number that is written like one in single precision.
-fn decimal(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }

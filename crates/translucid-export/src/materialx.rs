@@ -97,21 +97,19 @@ pub(crate) fn material(material: &Material, configuration: Configuration) -> Res
     }
     let radius = mfp.into_iter().fold(0.0, f64::max);
     let three = |numbers: [f64; 3]| numbers.map(literal).join(", ");
-    let clear = surface.and_then(|surface| surface.clear_absorption);
+    let clear = surface.and_then(|surface| surface.clear);
     let mut inputs = Vec::new();
     if let Some(Surface { ior, roughness, coat: [coat, coat_roughness], .. }) = *surface {
         inputs.push(("specular_ior", "float", literal(ior)));
-        inputs.push(("specular_roughness", "float", literal(if clear.is_some() { 0.0 } else { roughness })));
+        inputs.push(("specular_roughness", "float", literal(roughness)));
         if coat > 0.0 {
             inputs.push(("coat_weight", "float", literal(coat)));
             inputs.push(("coat_roughness", "float", literal(coat_roughness)));
         }
     }
-    if let Some(absorption) = clear {
-        // About e^−1 is left there
-        let depth = 3.0 / absorption.iter().sum::<f64>();
+    if let Some((color, depth)) = clear {
         inputs.push(("transmission_weight", "float", literal(1.0)));
-        inputs.push(("transmission_color", "color3", three(absorption.map(|a| (-a * depth).exp()))));
+        inputs.push(("transmission_color", "color3", three(color)));
         inputs.push(("transmission_depth", "float", literal(depth)));
     }
     inputs.extend([

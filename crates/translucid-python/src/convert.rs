@@ -121,25 +121,25 @@ impl Preset {
     /// Index of refraction of the surface.
     #[getter]
     fn eta(&self) -> f64 {
-        decimal(self.0.eta)
+        self.0.eta
     }
 
     /// Perceptual roughness of the surface, by eye.
     #[getter]
     fn roughness(&self) -> f64 {
-        decimal(self.0.roughness)
+        self.0.roughness
     }
 
     /// Weight of a clear coat, in [0, 1], by eye.
     #[getter]
     fn coat(&self) -> f64 {
-        decimal(self.0.coat[0])
+        self.0.coat[0]
     }
 
     /// Perceptual roughness of the coat, by eye.
     #[getter]
     fn coat_roughness(&self) -> f64 {
-        decimal(self.0.coat[1])
+        self.0.coat[1]
     }
 
     /// Kind of substance, such as stone or food.
@@ -151,11 +151,6 @@ impl Preset {
     fn __repr__(&self) -> String {
         format!("<Preset {:?}, {}>", self.0.name, self.0.source)
     }
-}
-
-/// The number that is written like one in single precision.
-fn decimal(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }
 
 /// The preset of a name; case, spaces and hyphens do not matter.

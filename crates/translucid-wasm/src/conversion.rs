@@ -87,15 +87,10 @@ fn described(preset: &Preset) -> Value {
         "source": preset.source,
         "surfaceAlbedo": preset.surface_albedo(),
         "mfp": preset.mfp_in_millimeters(),
-        "eta": decimal(preset.eta),
-        "roughness": decimal(preset.roughness),
-        "coat": decimal(preset.coat[0]),
-        "coatRoughness": decimal(preset.coat[1]),
+        "eta": preset.eta,
+        "roughness": preset.roughness,
+        "coat": preset.coat[0],
+        "coatRoughness": preset.coat[1],
         "group": preset.group.name(),
     })
-}
-
-/// The number that is written like one in single precision.
-fn decimal(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }

@@ -27,11 +27,11 @@ pub struct Preset {
     /// Where the numbers come from: a publication, or that they were chosen by eye.
     pub source: &'static str,
     /// Index of refraction of the surface.
-    pub eta: f32,
-    /// Perceptual roughness of the surface, by eye for all presets.
-    pub roughness: f32,
+    pub eta: f64,
+    /// Perceptual roughness of the surface, by eye for all presets but for clear liquids, which are smooth.
+    pub roughness: f64,
     /// Weight and perceptual roughness of a clear coat, such as a glaze or a natural wax; by eye. A weight of 0 is no coat.
-    pub coat: [f32; 2],
+    pub coat: [f64; 2],
     /// Kind of substance, by which lists are sorted.
     pub group: PresetGroup,
     numbers: PresetNumbers,
@@ -82,6 +82,9 @@ impl PresetGroup {
 const CLEAR: f64 = 0.01;
 
 impl Preset {
+    /// Depth that the color of a clear liquid is stated for \[mm\].
+    pub const CLEAR_DEPTH: f64 = 10.0;
+
     /// Surface albedo A for red, green, blue, in [0, 1].
     pub fn surface_albedo(&self) -> [f64; 3] {
         match self.numbers {
@@ -105,6 +108,12 @@ impl Preset {
             }
             PresetNumbers::Chosen { .. } => None,
         }
+    }
+
+    /// Color of white light behind [`CLEAR_DEPTH`](Self::CLEAR_DEPTH) of a clear liquid (Beer and Lambert). None for what
+    /// scatters.
+    pub fn clear_color(&self) -> Option<[f64; 3]> {
+        self.clear_absorption().map(|absorption| absorption.map(|a| libm::exp(-a * Self::CLEAR_DEPTH)))
     }
 
     /// Mean free path ℓ for red, green, blue \[mm\].
@@ -156,7 +165,7 @@ const NARASIMHAN: &str = "measured: Narasimhan et al. 2006, undiluted; index of 
 const BY_EYE: &str = "chosen by eye";
 
 /// A preset without a coat, chosen by eye; its section of the table tells the group.
-const fn of(name: &'static str, numbers: PresetNumbers, [eta, roughness]: [f32; 2]) -> Preset {
+const fn of(name: &'static str, numbers: PresetNumbers, [eta, roughness]: [f64; 2]) -> Preset {
     Preset { name, source: BY_EYE, eta, roughness, coat: [0.0; 2], group: PresetGroup::Stone, numbers }
 }
 
@@ -164,7 +173,7 @@ const fn measured(
     name: &'static str,
     sigma_s_prime: [f64; 3],
     sigma_a: [f64; 3],
-    surface: [f32; 2],
+    surface: [f64; 2],
 ) -> Preset {
     Preset { source: JENSEN, ..of(name, PresetNumbers::Measured { sigma_s_prime, sigma_a }, surface) }
 }
@@ -173,7 +182,7 @@ const fn liquid(name: &'static str, sigma_s_prime: [f64; 3], sigma_a: [f64; 3]) 
     Preset { source: NARASIMHAN, ..measured(name, sigma_s_prime, sigma_a, [1.33, 0.05]) }
 }
 
-const fn by_eye(name: &'static str, surface_albedo: [f64; 3], mfp: [f64; 3], surface: [f32; 2]) -> Preset {
+const fn by_eye(name: &'static str, surface_albedo: [f64; 3], mfp: [f64; 3], surface: [f64; 2]) -> Preset {
     of(name, PresetNumbers::Chosen { surface_albedo, mfp }, surface)
 }
 
@@ -192,16 +201,19 @@ const WHOLEMILK: Preset = measured("wholemilk", [2.55, 3.21, 3.77], [0.0011, 0.0
 const WAX: Preset = by_eye("wax", [0.94, 0.87, 0.68], [3.4, 2.6, 1.7], [1.44, 0.35]);
 
 impl Preset {
-    const fn coated(self, weight: f32, roughness: f32) -> Self {
+    const fn coated(self, weight: f64, roughness: f64) -> Self {
         Self { coat: [weight, roughness], ..self }
     }
 }
 
 static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
-    SECTIONS
-        .iter()
-        .flat_map(|&(group, presets)| presets.iter().map(move |&preset| Preset { group, ..preset }))
-        .collect()
+    let in_group = |&(group, presets): &(PresetGroup, &'static [Preset])| {
+        presets.iter().map(move |preset| {
+            let roughness = if preset.clear_absorption().is_some() { 0.0 } else { preset.roughness };
+            Preset { group, roughness, ..*preset }
+        })
+    };
+    SECTIONS.iter().flat_map(in_group).collect()
 });
 
 #[rustfmt::skip] // A table. measured, liquid: σ'_s, σ_a [1/mm]; by_eye: A, ℓ [mm]; then η, roughness.

@@ -1,13 +1,10 @@
 //! Presets of translucent materials as materials of a scene.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use translucid_profile::convention::{Preset, Unit};
 
 use super::{Configuration, Material, SubsurfaceParameter};
 use crate::{ColorInput, ScalarInput};
-
-/// Depth at which a clear material has its color \[mm\].
-const CLEAR_DEPTH: f64 = 10.0;
 
 impl Material {
     /// The material of a preset in a scene of the given unit. What is clear refracts and absorbs light, and scatters none.
@@ -24,25 +21,20 @@ impl Material {
         let mfp = DVec3::from(preset.mfp_in_millimeters()) / unit.in_millimeters();
         let radius = mfp.max_element();
         let surface_albedo = ColorInput::constant(DVec3::from(preset.surface_albedo()).as_vec3());
-        let clear = preset.clear_absorption();
+        let clear = preset.clear_color();
         let is_clear = if clear.is_some() { 1.0 } else { 0.0 };
-        let [coat_weight, coat_roughness] = preset.coat;
+        let depth = if clear.is_some() { Preset::CLEAR_DEPTH / unit.in_millimeters() } else { 0.0 };
+        let [coat_weight, coat_roughness] = preset.coat.map(|number| ScalarInput::constant(number as f32));
         Self {
             name: String::from(preset.name),
             base_color: surface_albedo,
-            specular_ior: preset.eta,
-            specular_roughness: ScalarInput::constant(if clear.is_some() { 0.0 } else { preset.roughness }),
+            specular_ior: preset.eta as f32,
+            specular_roughness: ScalarInput::constant(preset.roughness as f32),
             transmission_weight: ScalarInput::constant(is_clear),
-            transmission_color: clear.map_or(ColorInput::constant(Vec3::ONE), |absorption| {
-                ColorInput::constant(DVec3::from(absorption.map(|a| libm::exp(-a * CLEAR_DEPTH))).as_vec3())
-            }),
-            transmission_depth: if clear.is_some() {
-                (CLEAR_DEPTH / unit.in_millimeters()) as f32
-            } else {
-                0.0
-            },
-            coat_weight: ScalarInput::constant(coat_weight),
-            coat_roughness: ScalarInput::constant(coat_roughness),
+            transmission_color: ColorInput::constant(DVec3::from(clear.unwrap_or([1.0; 3])).as_vec3()),
+            transmission_depth: depth as f32,
+            coat_weight,
+            coat_roughness,
             subsurface_weight: ScalarInput::constant(1.0 - is_clear),
             subsurface_color: surface_albedo,
             subsurface_radius: ScalarInput::constant(radius as f32),
