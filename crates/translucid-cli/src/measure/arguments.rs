@@ -21,7 +21,7 @@ Columns: channel, quantity, value, from and to of 68 % and of 95 % confidence, u
 Examples:
   translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --white 210,18,222,30
   translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --surface-albedo 0.85,0.6,0.35 --format toml
-  translucid measure examples/photographs/slice.png --setup slab --thickness 3 --mm-per-pixel 0.1 --white-photo examples/photographs/panel.png
+  translucid measure examples/photographs/slice.png --setup slab --thickness 1.5 --mm-per-pixel 0.1 --surface-albedo 0.85,0.75,0.6 --format layers
   translucid measure examples/photographs/laser.png --setup spot --mm-per-pixel 0.1 --white-photo examples/photographs/paper.png
   translucid measure examples/photographs/ball.png --scene examples/photographs/ball.toml --fit material.surface_albedo,material.mfp";
 

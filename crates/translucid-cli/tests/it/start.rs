@@ -174,8 +174,7 @@ fn computations_of_the_readme_find_their_files_and_run() {
 
 /// Verbs whose examples take minutes, of which other tests run smaller ones, and words that need a program or make a page.
 const SLOW_VERBS: [&str; 3] = ["compare", "fit", "oracle"];
-const SLOW_WORDS: [&str; 6] =
-    ["--error", "photon-beam", "1e9..2e9", "--tev", "node-*", "part-*"];
+const SLOW_WORDS: [&str; 6] = ["--error", "photon-beam", "1e9..2e9", "--tev", "node-*", "part-*"];
 
 /// Every example in a help runs, but for slow ones.
 #[test]
@@ -201,7 +200,10 @@ fn examples_of_help_run() {
         let examples = examples.split_whitespace().collect::<Vec<_>>().join(" ");
         for words in examples.split("translucid ").map(str::trim).filter(|words| !words.is_empty()) {
             let verb = words.split_whitespace().next().unwrap();
-            if SLOW_VERBS.contains(&verb) || SLOW_WORDS.iter().any(|word| words.contains(word)) || words.contains('>') {
+            if SLOW_VERBS.contains(&verb)
+                || SLOW_WORDS.iter().any(|word| words.contains(word))
+                || words.contains('>')
+            {
                 left_out.push(words.to_owned());
             } else if verb == "view" {
                 view(folder, words);
