@@ -40,7 +40,6 @@ function sliders(id, attributes, { numberOf = Number, positionOf = Number } = {}
 }
 const albedo = sliders("albedo", { min: 0.01, max: 0.99 });
 const mfp = sliders("mfp", { min: -1, max: 1 }, { numberOf: (x) => 10 ** x, positionOf: Math.log10 }); // 0.1 to 10 mm
-byId("preset").append(...PRESETS.map((name) => new Option(name)));
 byId("preset").onchange = () => {
     const { surfaceAlbedo, mfp: lengths } = preset(byId("preset").value);
     [albedo.numbers, mfp.numbers] = [surfaceAlbedo, lengths];
@@ -229,4 +228,7 @@ bust.castShadow = bust.receiveShadow = true;
 scene.add(bust);
 new ResizeObserver(resized).observe(byId("view"));
 resized();
+// Nothing can be chosen before the module is there
+byId("preset").append(...PRESETS.map((name) => new Option(name)));
 byId("preset").onchange();
+document.querySelector("aside").inert = false;

@@ -97,8 +97,8 @@ const FIRST_PICTURE: [&str; 5] = ["render", "--size", "640x360", "--spp", "20"];
 const EXAMPLES: &str = "\
 Examples:
   translucid
-  translucid render bust.glb --preset marble --size 800x800 --spp 128
-  translucid view bust.glb --preset marble
+  translucid render scenes/bust.ply --preset marble --unit cm --size 800x800 --spp 128
+  translucid view scenes/bust.ply --preset marble --unit cm
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
   translucid stack examples/stack/enamel.toml -o enamel.svg
@@ -106,7 +106,7 @@ Examples:
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid export --to glsl --what sampler
-  translucid measure soap.exr --mm-per-pixel 0.04 --white 100,80,400,260
+  translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --white 210,18,222,30
   translucid oracle -o oracle
   translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9 --mfp 1
   translucid skin --tone III

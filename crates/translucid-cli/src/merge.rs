@@ -25,9 +25,11 @@ shards, too. `translucid reference … --photons A..B --table FILE.npz` writes t
 run, whatever the parts, their order, threads and machines. Merged parts may be merged again.
 
 Examples:
-  translucid merge head.exr head-000000-000512.shard head-000512-001024.shard
+  translucid render scenes/marble.toml --samples 0..32 -o marble-000000-000032.shard
+  translucid render scenes/marble.toml --samples 32..64 -o marble-000032-000064.shard
+  translucid merge marble.exr marble-000000-000032.shard marble-000032-000064.shard
   translucid merge rack-3.shard node-*.shard
-  translucid merge --allow-gaps so-far.exr head-*.shard
+  translucid merge --allow-gaps so-far.exr marble-*.shard
   translucid merge all.npz part-*.npz";
 
 /// Joins shards of a picture, or parts of a photon table

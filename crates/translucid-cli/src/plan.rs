@@ -32,8 +32,8 @@ Samples are divided first. With more shards than samples the picture is divided,
 light is shared across their edges.
 
 Examples:
-  translucid plan scene.toml --shards 16
-  translucid plan scene.toml --minutes 30 -o frames/head.exr -- --size 3840x2160 --spp 1024";
+  translucid plan scenes/marble.toml --shards 16
+  translucid plan scenes/fruits.toml --minutes 30 -o frames/fruits.exr -- --size 3840x2160 --spp 1024";
 
 /// Divides a picture into shards, as JSON for any queue
 #[derive(Args, Debug)]

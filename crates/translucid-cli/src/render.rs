@@ -75,12 +75,12 @@ Several models after --subsurface render the scene with each and write to a dire
 
 Examples:
   translucid render
-  translucid render bust.glb --preset marble --unit mm -o bust.exr
-  translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
-  translucid render scene.toml --time 60
-  translucid render scene.toml --tev
-  translucid render scene.toml --preview so-far.png --stats statistics.json
-  translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
+  translucid render scenes/bust.ply --preset marble --unit cm -o bust.exr
+  translucid render scene.toml --mesh head=head.ply --size 512x512 --spp 256
+  translucid render scenes/fruits.toml --time 60
+  translucid render scenes/fruits.toml --tev
+  translucid render scenes/marble.toml --preview so-far.png --stats statistics.json
+  translucid render scenes/plastic.toml --subsurface normalized-diffusion,exact -o models
   translucid render --preset list";
 
 /// Renders a scene file or a mesh; without one the built-in still life

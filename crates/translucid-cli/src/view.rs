@@ -20,10 +20,10 @@ All open pages show the same scene and picture. Ctrl-C ends the server.
 
 Examples:
   translucid view
-  translucid view bust.glb --preset marble
-  translucid view scan.ply --unit m --up z
-  translucid view scenes/head.toml --size 960x540
-  translucid view scene.toml --no-open --port 8080";
+  translucid view scenes/bust.ply --preset marble --unit cm
+  translucid view scenes/bust.ply --unit cm --up y --rotate 30
+  translucid view scenes/fruits.toml --size 960x540
+  translucid view scenes/marble.toml --no-open --port 8080";
 
 /// Opens a page in the browser to edit a scene while it is rendered
 #[derive(Args, Debug)]

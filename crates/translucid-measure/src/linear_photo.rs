@@ -1,5 +1,7 @@
 //! Photographs in linear numbers.
 
+use std::path::Path;
+
 use translucid_scene::{ColorSpace, Image, Pixels};
 
 use crate::error::MeasureError;
@@ -26,7 +28,8 @@ pub struct NamedPhoto {
 }
 
 impl NamedPhoto {
-    /// The photograph in a decoded image, with a warning where the values are those of a camera's own curve.
+    /// The photograph in a decoded image, over black where it is transparent, with a warning where the values are those of a
+    /// camera's own curve.
     pub fn from_image(name: String, image: &Image, say: &mut dyn FnMut(Remark)) -> Self {
         if matches!(image.pixels, Pixels::Byte(_)) && image.color_space == ColorSpace::Srgb {
             say(Remark::Warning(format!(
@@ -34,11 +37,19 @@ impl NamedPhoto {
                  develop the raw file to linear OpenEXR"
             )));
         }
-        let pixel = |x: usize, y: usize| {
-            let [r, g, b, _] = image.texel(x as u32, y as u32);
-            [r, g, b]
-        };
-        Self { name, photo: Photo::from_fn(image.width as usize, image.height as usize, pixel) }
+        // OpenEXR has colors times alpha [Kainz, Bogart and Stanczyk: Technical Introduction to OpenEXR], all others beside it
+        let ending = image.path.as_deref().and_then(Path::extension);
+        let is_multiplied = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+        let mut is_transparent = false;
+        let photo = Photo::from_fn(image.width as usize, image.height as usize, |x, y| {
+            let [r, g, b, alpha] = image.texel(x as u32, y as u32);
+            is_transparent |= alpha < 1.0;
+            [r, g, b].map(|value| if is_multiplied { value } else { value * alpha })
+        });
+        if is_transparent {
+            say(Remark::Note(format!("{name}: what is transparent is taken to be black behind")));
+        }
+        Self { name, photo }
     }
 
     /// A rectangle of it; refuses one that reaches beyond it, naming the option that states it.
@@ -66,7 +77,7 @@ impl NamedPhoto {
 
 impl Photo {
     /// A photograph of pixels by column and row.
-    pub fn from_fn(width: usize, height: usize, pixel: impl Fn(usize, usize) -> [f32; 3]) -> Self {
+    pub fn from_fn(width: usize, height: usize, mut pixel: impl FnMut(usize, usize) -> [f32; 3]) -> Self {
         let at = |i: usize| pixel(i % width, i / width);
         Self { width, height, pixels: (0..width * height).map(at).collect() }
     }
@@ -115,5 +126,34 @@ impl Photo {
     pub fn mean(&self) -> [f64; 3] {
         let count = self.pixels.len().max(1) as f64;
         std::array::from_fn(|c| self.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transparent_pixels_are_over_black() {
+        let image = |ending: &str, pixels| Image {
+            name: String::new(),
+            path: Some(format!("a.{ending}").into()),
+            width: 2,
+            height: 1,
+            color_space: ColorSpace::Linear,
+            pixels,
+        };
+        let read = |image: &Image| {
+            let mut remarks = Vec::new();
+            let photo = NamedPhoto::from_image("a".into(), image, &mut |remark| remarks.push(remark));
+            (photo.photo.pixels, remarks.len())
+        };
+        let floats = || Pixels::Float(vec![[0.5, 0.25, 0.125, 0.5], [1.0; 4]]);
+        assert_eq!(read(&image("png", floats())), (vec![[0.25, 0.125, 0.0625], [1.0; 3]], 1));
+        assert_eq!(read(&image("EXR", floats())), (vec![[0.5, 0.25, 0.125], [1.0; 3]], 1));
+        let bytes = Pixels::Byte(vec![[255, 0, 0, 51], [0, 255, 0, 255]]);
+        assert_eq!(read(&image("png", bytes)), (vec![[0.2, 0.0, 0.0], [0.0, 1.0, 0.0]], 1));
+        let opaque = Pixels::Float(vec![[0.5, 0.25, 0.125, 1.0]; 2]);
+        assert_eq!(read(&image("png", opaque)), (vec![[0.5, 0.25, 0.125]; 2], 0));
     }
 }

@@ -19,12 +19,11 @@ With --scene the piece has any known shape, and the renderer finds the parameter
 Columns: channel, quantity, value, from and to of 68 % and of 95 % confidence, unit.
 
 Examples:
-  translucid measure soap.png --mm-per-pixel 0.042 --white 100,80,400,260 --white-reflectance 0.9
-  translucid measure soap.exr --mm-per-pixel 0.042 --surface-albedo 0.8 --region 900,400,2100,1600
-  translucid measure soap.png --mm-per-pixel 0.042 --white-photo paper.png --format toml
-  translucid measure slice.exr --setup slab --thickness 4.2 --mm-per-pixel 0.05 --white 2,2,18,16 --format layers
-  translucid measure laser.exr --setup spot --mm-per-pixel 0.042 --white-photo laser-on-paper.exr
-  translucid measure ball.exr --scene ball.toml --fit material.surface_albedo,material.mfp";
+  translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --white 210,18,222,30
+  translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --surface-albedo 0.85,0.6,0.35 --format toml
+  translucid measure examples/photographs/slice.png --setup slab --thickness 1.5 --mm-per-pixel 0.1 --surface-albedo 0.85,0.75,0.6 --format layers
+  translucid measure examples/photographs/laser.png --setup spot --mm-per-pixel 0.1 --white-photo examples/photographs/paper.png
+  translucid measure examples/photographs/ball.png --scene examples/photographs/ball.toml --fit material.surface_albedo,material.mfp";
 
 /// Measures surface albedo and mean free path in a photograph
 #[derive(Args, Debug)]

@@ -18,6 +18,7 @@ mod layers;
 mod look;
 mod markdown;
 mod measure;
+mod memory;
 mod oracle;
 mod pages;
 mod photographs;
