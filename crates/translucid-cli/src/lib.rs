@@ -108,7 +108,7 @@ Examples:
   translucid export --to glsl --what sampler
   translucid measure examples/photographs/soap.png --mm-per-pixel 0.125 --white 210,18,222,30
   translucid oracle -o oracle
-  translucid judge pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9 --mfp 1
+  translucid judge examples/judge/right.exr --setup disk --size 2 --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 0.5,0.35,0.25 --white 1
   translucid skin --tone III
   translucid help render
 

@@ -112,8 +112,8 @@ pub static JUDGE: Question<AskedJudge> = Question {
             vec![said("edge", "mfp", &[]), said("disk", "dmfp", &[Entry::new("size", 2.0)])]
         },
         examples: &[
-            "pass.exr --setup edge --pixel 0.05 --surface-albedo 0.9,0.6,0.4 --mfp 1,0.5,0.3",
-            "pass.exr --setup disk --size 2 --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --white 1 -o judgement.svg",
+            "examples/judge/right.exr --setup disk --size 2 --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 0.5,0.35,0.25 --white 1",
+            "examples/judge/too-wide.exr --setup disk --size 2 --pixel 0.1 --surface-albedo 0.9,0.6,0.4 --mfp 0.5,0.35,0.25 --white 1 -o judgement.svg",
             "pass.exr --setup edge --pixel 0.05 --surface-albedo 0.8 --mfp 0.5 --g 0.8 --eta 1.4",
         ],
         columns: &COLUMNS,

@@ -151,8 +151,8 @@ mod tests {
         let floats = || Pixels::Float(vec![[0.5, 0.25, 0.125, 0.5], [1.0; 4]]);
         assert_eq!(read(&image("png", floats())), (vec![[0.25, 0.125, 0.0625], [1.0; 3]], 1));
         assert_eq!(read(&image("EXR", floats())), (vec![[0.5, 0.25, 0.125], [1.0; 3]], 1));
-        let bytes = Pixels::Byte(vec![[255, 0, 0, 51], [0, 255, 0, 255]]);
-        assert_eq!(read(&image("png", bytes)), (vec![[0.2, 0.0, 0.0], [0.0, 1.0, 0.0]], 1));
+        let bytes = Pixels::Byte(vec![[255, 0, 0, 0], [0, 255, 0, 255]]);
+        assert_eq!(read(&image("png", bytes)), (vec![[0.0; 3], [0.0, 1.0, 0.0]], 1));
         let opaque = Pixels::Float(vec![[0.5, 0.25, 0.125, 1.0]; 2]);
         assert_eq!(read(&image("png", opaque)), (vec![[0.5, 0.25, 0.125]; 2], 0));
     }

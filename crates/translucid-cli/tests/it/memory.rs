@@ -1,7 +1,8 @@
 //! Laws of memory: how many bytes a picture takes for each triangle, texel and pixel more.
 //!
-//! Each law is the difference between the peaks of two runs on one thread, so that what every run takes falls out. It fails when
-//! it has grown by 5 %, and when it has shrunk so far that its number here is out of date.
+//! Each law is the difference between the peaks of two runs on one thread, so that what every run takes falls out; runs
+//! agree within 3 %. It fails when it has grown by 5 %, and when it has shrunk so far that its number here is out of date.
+//! A texel of a PNG is four bytes, and three while it is read. A pixel is its sums, and what is written of them.
 
 use std::io::Write;
 use std::path::Path;
@@ -73,7 +74,7 @@ fn triangles_texels_and_pixels_take_the_bytes_that_they_took() {
     let triangles = [200, 400].map(|n| save_mesh(&path.join(format!("{n}.ply")), n));
     let small = "--size 8x8 --spp 1";
     let mesh = |n: u32| format!("{n}.ply --unit mm {small}");
-    hold(path, [(&mesh(200), triangles[0]), (&mesh(400), triangles[1])], 1.0);
+    hold(path, [(&mesh(200), triangles[0]), (&mesh(400), triangles[1])], 131.0);
 
     let texels = [1024, 2048].map(|edge| save_image(&path.join(format!("{edge}.png")), edge));
     let textured = |edge: u32| {
@@ -84,9 +85,9 @@ fn triangles_texels_and_pixels_take_the_bytes_that_they_took() {
         std::fs::write(path.join(format!("{edge}.toml")), scene).unwrap();
         format!("{edge}.toml {small}")
     };
-    hold(path, [(&textured(1024), texels[0]), (&textured(2048), texels[1])], 1.0);
+    hold(path, [(&textured(1024), texels[0]), (&textured(2048), texels[1])], 7.5);
 
     std::fs::write(path.join("ball.toml"), crate::common::BALL).unwrap();
     let sized = |edge: u32| format!("ball.toml --size {edge}x{edge} --spp 1");
-    hold(path, [(&sized(256), 256 * 256), (&sized(768), 768 * 768)], 1.0);
+    hold(path, [(&sized(256), 256 * 256), (&sized(768), 768 * 768)], 334.0);
 }

@@ -360,6 +360,7 @@ fn find_name(names: &[String], name: Option<&str>) -> Result<usize> {
         let error = SceneError::new(format!("there is no object \"{name}\" with a mesh file"));
         match nearest(name, names.iter().map(String::as_str)) {
             Some(near) => error.with_help(format!("did you mean \"{near}\"?")),
+            None if names.is_empty() => error.with_help("the scene has no object with a mesh file"),
             None => error.with_help(format!("the objects with a mesh file are {}", list())),
         }
     })
