@@ -9,6 +9,10 @@ use super::Engine;
 use crate::clock::Instant;
 use crate::settings::Devices;
 
+/// The first look at something new is finished though there is something newer, or what moves all the time would never be
+/// seen; but it takes so long at most.
+const MOST_HELD: Duration = Duration::from_secs(1);
+
 impl Engine<'_> {
     /// Opens the device that is wanted; all films begin anew.
     pub(super) fn change_device(&mut self) {
@@ -52,18 +56,23 @@ impl Engine<'_> {
         let (mut on_device, mut refusal) =
             work.map_or((None, None), |work| (work.on_device.take(), work.refusal.clone()));
         let is_over = AtomicBool::new(false);
+        // What is not on the screen yet is finished first
+        let is_held = self.sides[side].as_ref().is_some_and(|work| work.shown.is_none());
+        let held = AtomicBool::new(false);
+        let stop = if is_held { &held } else { &self.shared.stop };
         let watch = |_| {
             is_over.store(slice.is_some_and(|slice| start.elapsed() >= slice), Ordering::Relaxed);
-            if is_over.load(Ordering::Relaxed) || self.quit.load(Ordering::Relaxed) {
-                self.shared.stop.store(true, Ordering::Relaxed);
+            let is_late = start.elapsed() >= MOST_HELD && self.shared.stop.load(Ordering::Relaxed);
+            if is_over.load(Ordering::Relaxed) || is_late || self.quit.load(Ordering::Relaxed) {
+                stop.store(true, Ordering::Relaxed);
             }
         };
         let goal = Goal { samples: 0..samples, deadline: None };
-        let on_processor = || self.prepared.render(view, film, &goal, &watch, &self.shared.stop);
+        let on_processor = || self.prepared.render(view, film, &goal, &watch, stop);
         let outcome = match &mut on_device {
             None => on_processor(),
             Some(device) => {
-                let result = device.render(&self.prepared, view, film, &goal, &watch, &self.shared.stop);
+                let result = device.render(&self.prepared, view, film, &goal, &watch, stop);
                 refusal = device.refusal().map(str::to_owned);
                 result.unwrap_or_else(|error| {
                     // A device that has failed is not asked again before something changes

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { start } from "./view.mjs";
+import { serve, start } from "./view.mjs";
 
 const { open } = await start();
 const view = await open({ hasTouch: true });
@@ -192,6 +192,28 @@ test("while the camera moves messages never outrun the pictures", async () => {
     // The last one goes at once, when the button is let go.
     for (let i = 1; i < times.length - 1; i++) assert.ok(times[i] - times[i - 1] > 3, `${times[i] - times[i - 1]} ms`);
     await view.agrees("after the drag");
+});
+
+test("what moves all the time is seen, though a look takes longer than it is from one move to the next", async () => {
+    const server = await serve("--size", "640x360");
+    const large = await page.context().newPage();
+    await large.goto(server.address);
+    await large.waitForFunction(() => window.translucidView?.samples >= 1);
+    const { x, y, width, height } = await large.locator("#stage").boundingBox();
+    await large.mouse.move(x + 0.5 * width, y + 0.5 * height);
+    await large.mouse.down();
+    const first = await large.evaluate(() => window.translucidView.version);
+    const versions = () => large.evaluate((first) => new Set(window.translucidView.painted.map(({ version }) => version).filter((version) => version > first)).size, first);
+    let [step, seen] = [0, 0];
+    while (seen < 5 && step < 300) {
+        await large.mouse.move(x + (0.5 + 0.1 * Math.sin(step / 20)) * width, y + 0.5 * height);
+        seen = await versions();
+        step += 1;
+    }
+    await large.mouse.up();
+    await large.close();
+    await server.stop();
+    assert.ok(seen >= 5, `${seen} pictures of ${step} moves`);
 });
 
 test("nothing was thrown and nothing refused", () => assert.deepEqual(view.complaints, []));
