@@ -174,8 +174,8 @@ fn computations_of_the_readme_find_their_files_and_run() {
     assert_eq!(ran, ["profile", "sample", "reference", "stack", "convert", "oracle"]);
 }
 
-/// What an example has that does not run here: what takes minutes, of which other tests run something smaller; another program,
-/// a shell, files of another help or of one's own.
+/// Words of examples that do not run here: they take minutes, and other tests run something smaller, or they need another
+/// program, a shell, or files of another help or of one's own.
 const LEFT_OUT: [&str; 12] = [
     "compare",
     "fit --config",
