@@ -18,6 +18,7 @@ mod layers;
 mod look;
 mod markdown;
 mod measure;
+#[cfg(target_os = "linux")]
 mod memory;
 mod oracle;
 mod pages;

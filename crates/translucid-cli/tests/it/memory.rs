@@ -66,7 +66,6 @@ fn save_image(path: &Path, edge: u32) -> usize {
     (edge * edge) as usize
 }
 
-#[cfg(target_os = "linux")]
 #[test]
 fn triangles_texels_and_pixels_take_the_bytes_that_they_took() {
     let directory = tempfile::tempdir().unwrap();
